@@ -10,7 +10,9 @@
 
 #include "core/base/units.h"
 #include "core/measure/largest_part.h"
+#include "volumes/read/label_volume.h"
 #include "volumes/read/readable_path.h"
+#include "volumes/read/skull_segment.h"
 
 namespace burrhole {
 namespace {
@@ -24,6 +26,11 @@ constexpr float kBoneLevel = 0.5f;  // as BoneModel::bone_voxels()
 Error at(Error error, const std::string& path) {
   if (error.place.empty()) error.place = path;
   return error;
+}
+
+/// An error of a label volume at the key that names it, if there is one: the file's own place goes into the text then.
+Error of_labels(const Error& error, const BonePlaces& places) {
+  return places.labels.empty() ? error : Error{error.code, error.text(), places.labels};
 }
 
 /// Estimated bytes of the three fields, and of the nodes of the sparse grids.
@@ -77,7 +84,10 @@ Status goes_on(const ReadOptions& read) {
   return advance(stop, 0.0);
 }
 
-bool shapes_bone(const BoneOptions& bone) { return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty(); }
+bool shapes_bone(const BoneOptions& bone) {
+  return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty() || bone.segment ||
+         !bone.label_files.volume.empty();
+}
 
 std::optional<Enclosure> enclosure_of(const BoneModel& bone, const std::optional<BoneSite>& site) {
   if (!site) return std::nullopt;
@@ -108,8 +118,9 @@ Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
     return error;
   }
   if (request.read.unit || !request.read.series.empty() || shapes_bone(request.bone))
-    return bad_input("is a bone model already and is used unchanged: leave out unit, series, band, offset, hardness, spacing and region",
-                     request.path);
+    return bad_input(
+        "is a bone model already and is used unchanged: leave out unit, series, band, offset, hardness, spacing, region, layers and labels",
+        request.path);
   ImportedBone out;
   out.bone = *bone;
   out.report.source = request.path;
@@ -146,6 +157,7 @@ Status check_use(const ImportRequest& request, const ReadScan& read) {
   if (!request.read.keep.empty() && !dicom) return refuse("fields to keep", "are for DICOM");
   if (given && (request.bone.band || request.bone.hu_offset || !request.bone.hardness.empty()))
     return refuse("a band, an offset or a hardness table", "is for scans: this file has occupancy and no density");
+  if (given && request.bone.segment) return refuse("a search for layers", "is for scans: this file has occupancy and no density");
   return {};
 }
 
@@ -162,6 +174,29 @@ std::string spans_text(const Vec3& lo, const Vec3& hi) {
 
 /// Meshes, fog volumes and bone models have occupancy values only.
 bool knows_values(const ImportReport& report) { return report.facts.has_values; }
+
+Json spread_json(const LayerSpread& s) {
+  return {{"low_quartile", s.low / kMillimetre}, {"median", s.median / kMillimetre}, {"high_quartile", s.high / kMillimetre}};
+}
+
+Json layers_json(const ImportReport& r) {
+  if (!r.facts.segment) return nullptr;
+  const SegmentFacts& f = *r.facts.segment;
+  const auto litres = [](double cubic_metres) { return cubic_metres * 1e3; };
+  return {
+      {"layers", f.layers},
+      {"places", f.columns},
+      {"layered_share", f.layered_share},
+      {"thickness_mm", spread_json(f.thickness)},
+      {"outer_table_mm", spread_json(f.outer_table)},
+      {"diploe_mm", spread_json(f.diploe)},
+      {"inner_table_mm", spread_json(f.inner_table)},
+      {"blur_mm", spread_json(f.blur)},
+      {"dip", f.dip},
+      {"table_HU", f.table},
+      {"diploe_HU", f.marrow},
+      {"litres", {{"air", litres(f.air)}, {"soft_tissue", litres(f.soft)}, {"bone", litres(f.bone)}, {"inside_skull", litres(f.cavity)}}}};
+}
 
 Json series_json(const ScanReport& scan) {
   Json rows = Json::array();
@@ -231,6 +266,11 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
   const std::string& format = out.report.scan.format;
   const bool sampled = !format.starts_with("OpenVDB") && !format.starts_with("NRRD") && !format.starts_with("NIfTI");
   if (scan.quantity == Quantity::occupancy && sampled && request.read.pitch && !bone.region) bone.spacing.reset();
+  if (!bone.label_files.volume.empty()) {
+    auto labels = read_label_volume(bone.label_files, scan);
+    if (!labels) return of_labels(labels.error(), bone.places);
+    bone.labels = std::make_shared<const LabelVolume>(std::move(labels).value());
+  }
   auto made = make_bone(scan, bone, out.report.scan.assumed, place);
   if (!storage) return storage.error();
   if (!made) return at(made.error(), request.path);
@@ -283,6 +323,7 @@ std::string import_json(const ImportReport& r) {
                 {"to_mm", in_mm(r.bone_hi)},
                 {"largest_part", largest},
                 {"bytes", r.bytes}}},
+              {"layers", layers_json(r)},
               {"assumed", r.scan.assumed},
               {"skipped", skipped},
               {"kept", kept}}

@@ -261,8 +261,8 @@ Status is_a_shipped_tool(const std::string& assignment, const fs::path& scene_fo
 }
 
 /// The keys whose values are paths of files that are read.
-constexpr const char* kPathKeys[] = {"volume.source", "approach.markups",         "tool.name",
-                                     "mesh.file",     "display.exterior_texture", "display.interior_texture"};
+constexpr const char* kPathKeys[] = {"volume.source", "volume.labels", "volume.label_table",       "approach.markups",
+                                     "tool.name",     "mesh.file",     "display.exterior_texture", "display.interior_texture"};
 
 /// @returns the assignment with the path of a file below the current folder made absolute; others unchanged.
 std::string from_current_folder(const std::string& assignment) {

@@ -17,6 +17,7 @@
 #include "core/voxel/vdb_grids.h"
 #include "core/voxel/voxmap.h"
 #include "volumes/import_bone.h"
+#include "volumes/read/skull_segment.h"
 
 namespace burrhole::cli {
 namespace {
@@ -26,7 +27,8 @@ namespace fs = std::filesystem;
 struct Options {
   std::string input, volume, series, unit, band, offset, spacing, region, centre, overview, suggest, gl = "auto";
   std::vector<std::string> keep;
-  bool json = false, quiet = false, force = false, volume_given = false;
+  std::string labels, label_table;
+  bool json = false, quiet = false, force = false, volume_given = false, segment = false;
 };
 
 /// @returns the numbers of an option, each in [min, max]; bad_input with the option's name otherwise.
@@ -189,6 +191,10 @@ int import_input(const Options& option) {
   if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
   if (const Status read = read_bone_options(option, request.bone); !read) return report(read.error());
   request.read.pitch = request.bone.spacing;
+  if (option.segment) request.bone.segment = std::make_shared<const SegmentOptions>();
+  request.bone.label_files = {option.labels, option.label_table};
+  if (option.labels.empty() && !option.label_table.empty())
+    return report(bad_input("--label-table needs --labels: the volume that it names labels of"));
   if (const Status fits = check_output(option); !fits) return report(fits.error());
   std::optional<Vec3> near;
   if (!option.suggest.empty()) {
@@ -240,6 +246,7 @@ void add_import(CLI::App& app, int& exit_code) {
        .examples = {"burrhole import scan/", "burrhole import scan/ --series 3 --volume head.vdb",
                     "burrhole import scan/ --overview head.png", "burrhole import scan/ --suggest 62,80,790 >> scene_without_approach.toml",
                     "burrhole import scan/ --spacing-mm 0.3 --region-mm 48,48,48 --centre-mm 54,100,797 --volume site.vdb",
+                    "burrhole import scan/ --segment --spacing-mm 0.5 --volume layers.vdb",
                     "burrhole import skull.stl --unit mm --spacing-mm 0.5 --volume skull.vdb"},
        .exits = ""});
   auto option = std::make_shared<Options>();
@@ -260,6 +267,12 @@ void add_import(CLI::App& app, int& exit_code) {
   command->add_option("--region-mm", option->region, "crop to a box of this size; with --centre-mm and --spacing-mm")->type_name("X,Y,Z");
   command->add_option("--centre-mm", option->centre, "centre of that box, patient coordinates (left, posterior, superior)")
       ->type_name("X,Y,Z");
+  command->add_flag("--segment", option->segment,
+                    "label the layers of the skull: outer table, diploe, inner table, and dura and brain below");
+  command->add_option("--labels", option->labels, "label volume on the grid of the scan: NRRD (.seg.nrrd), NIfTI and others")
+      ->type_name(kFileValue);
+  command->add_option("--label-table", option->label_table, "names and colours of these labels: a label description file of ITK-SNAP")
+      ->type_name(kFileValue);
   command->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable)")
       ->type_name("KEYWORD")
       ->allow_extra_args(false);

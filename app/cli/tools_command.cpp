@@ -254,6 +254,7 @@ int show_tool(const Options& options) {
   const auto fine = make_tool(*document, {.erosion_pitch = kFeedPitch, .read_mesh = read_mesh}, issues);
   const auto parts = read_parts(*document, issues);
   if (!parts || !fine) return report(issues);
+  if (const std::string repair = find_tool_repair(*document, {.read_mesh = read_mesh}); !repair.empty()) print_warning(file, repair);
   for (const BuriedCutter& cutter : parts->buried) print_warning(file, buried_text(cutter));
   const std::vector<NamedFeed> feeds = feeds_of(*fine);
   if (!options.image.empty())

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/effect/registry.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/force_loop.h"
 #include "app/stage/stage.h"
 #include "core/contact/contact_form.h"
@@ -23,12 +24,16 @@ constexpr FormEntry kForms[] = {
 class ContactEffect final : public Effect {
  public:
   ContactEffect(std::unique_ptr<ContactModel> model, const ContactForm& form, const ContactOptions& options, Stage& stage)
-      : model_(std::move(model)), form_(form.clone()), options_(options), turns_(stage.config.tool.spin > 0.0) {}
+      : model_(std::move(model)), form_(form.clone()), options_(options), turned_(stage.config.tool.spin > 0.0), turns_(turned_) {}
 
   Status bind(StepGraph& graph) override {
-    auto step = graph.step(
-        Clock::contact, "contact", "contact", [](void* self, const Tick& tick) noexcept { static_cast<ContactEffect*>(self)->run(tick); },
-        this);
+    const bool clutched = graph.is_written(slots::kClutch.name);
+    // Of two forms of the step, so that a scene without a clutch has no instruction of it.
+    const StepGraph::Run call =
+        clutched ? StepGraph::Run([](void* self, const Tick& tick) noexcept { static_cast<ContactEffect*>(self)->run_clutched(tick); })
+                 : StepGraph::Run([](void* self, const Tick& tick) noexcept { static_cast<ContactEffect*>(self)->run(tick); });
+    auto step = graph.step(Clock::contact, "contact", "contact", call, this);
+    if (clutched) clutch_ = step.latest(slots::kClutch);
     touch_ = step.now(slots::kTouch);
     state_ = step.own(slots::kContact);
     tangential_ = step.now_if_written(slots::kTangential);
@@ -63,6 +68,10 @@ class ContactEffect final : public Effect {
   }
 
  private:
+  void run_clutched(const Tick& tick) noexcept {
+    turns_ = turned_ && clutch_->turns;
+    run(tick);
+  }
   void run(const Tick& tick) noexcept {
     evaluate(tick);
     flags_ = static_cast<double>(state_->flags);
@@ -82,7 +91,9 @@ class ContactEffect final : public Effect {
   std::unique_ptr<ContactModel> model_;
   std::unique_ptr<ContactForm> form_;
   ContactOptions options_;
-  bool turns_;  // the scene has a spin rate above 0; a stalled bit then still counts as spinning and stays engaged
+  bool turned_;  // the scene has a spin rate above 0; a stalled bit then still counts as spinning and stays engaged
+  bool turns_;   // the same, and the clutch, if there is one, has not stopped the bit
+  const DrillClutch* clutch_ = nullptr;
   const Touch* touch_ = nullptr;
   ContactState* state_ = nullptr;
   const Tangential* tangential_ = nullptr;

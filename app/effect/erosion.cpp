@@ -8,20 +8,23 @@
 #include <string>
 
 #include "app/effect/registry.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/drill/cut_face.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion_memory.h"
+#include "core/drill/region_spin.h"
 #include "core/tool/cutting_field.h"
 
 namespace burrhole {
 namespace {
 
-constexpr std::array<std::pair<const char*, ErosionLaw>, 4> kLaws{{{"rate", ErosionLaw::rate},
+constexpr std::array<std::pair<const char*, ErosionLaw>, 5> kLaws{{{"rate", ErosionLaw::rate},
                                                                    {"per-update", ErosionLaw::per_update},
                                                                    {"energy", ErosionLaw::energy},
-                                                                   {"threshold", ErosionLaw::threshold}}};
+                                                                   {"threshold", ErosionLaw::threshold},
+                                                                   {"progressive", ErosionLaw::progressive}}};
 /// [Pa] ultimate strength, [TellesONeill10] table 1.
 constexpr std::array<std::pair<const char*, double>, 3> kMaterials{{{"bone", 170e6}, {"wood", 50e6}, {"steel", 400e6}}};
 
@@ -41,22 +44,28 @@ class ErosionEffect final : public Effect {
         config_(config),
         stage_(&stage),
         voxmap_(stage.voxmap.get()),
+        specific_energy_(config.law == ErosionLaw::progressive ? config.progressive.curve.toughness() / config.progressive.work_share
+                                                               : config.energy.specific_energy),
         tool_radius_(rubbing_radius(stage.tool->erosion)) {}
 
   Status bind(StepGraph& graph) override {
     if (stage_->needs.chip_load) teeth_ = cutting_teeth(*stage_->tool);
-    // Of two forms of the step, so that a scene in which nothing reads the chip load has no instruction of it.
-    auto step = teeth_ ? graph.step(
-                             Clock::simulation, "erosion", "erosion",
-                             [](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_with_chips(tick); }, this)
-                       : graph.step(
-                             Clock::simulation, "erosion", "erosion",
-                             [](void* self, const Tick& tick) { (void)static_cast<ErosionEffect*>(self)->run(tick); }, this);
+    const bool clutched = graph.is_written(slots::kClutch.name);
+    // Of three forms of the step, so that a scene in which nothing reads the chip load, or without a clutch, has no instruction of it.
+    const StepGraph::Run call =
+        clutched ? StepGraph::Run([](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_clutched(tick); })
+        : teeth_ ? StepGraph::Run([](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_with_chips(tick); })
+                 : StepGraph::Run([](void* self, const Tick& tick) { (void)static_cast<ErosionEffect*>(self)->run(tick); });
+    auto step = graph.step(Clock::simulation, "erosion", "erosion", call, this);
     cut_ = step.now(slots::kCut);
     asked_ = step.now(slots::kSpinAsked);
     spin_ = step.last(slots::kSpin);
     removal_ = step.own(slots::kRemoval);
     if (teeth_) chips_ = step.own(slots::kChipLoad);
+    if (clutched) {
+      clutch_ = step.now(slots::kClutch);
+      if (Status split = split_regions(); !split) return split;
+    }
     step.column("removed_mass", "m^3", &removed_mass_, true);
     return {};
   }
@@ -70,12 +79,38 @@ class ErosionEffect final : public Effect {
   void report(Figures& out) const override {
     out.add("removed_mass_mm3", removed_mass_ * 1e9);
     out.add("points_outside", outside_);
-    if (config_.law == ErosionLaw::threshold) out.add("largest_stress_MPa", stress_ / 1e6);
+    if (config_.law == ErosionLaw::threshold || config_.law == ErosionLaw::progressive) out.add("largest_stress_MPa", stress_ / 1e6);
     out.add("bytes", static_cast<std::uint64_t>(voxmap_->cut().bytes()));
   }
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
 
  private:
+  /// Gives the regions of a tool with a clutch a speed each.
+  Status split_regions() {
+    regions_.reset();
+    if (!clutch_->has_regions) return {};
+    regions_.emplace(*stage_->tool, clutch_->regions);
+    auto erosion = Erosion::create(config_, stage_->tool->erosion, regions_->field());
+    if (!erosion) return erosion.error();
+    erosion_ = std::move(erosion).value();
+    return {};
+  }
+
+  void run_clutched(const Tick& tick) {
+    if (clutch_->inner == 0.0 && clutch_->outer == 0.0) {
+      *removal_ = {};
+      if (teeth_) *chips_ = {};
+      return;
+    }
+    if (regions_) regions_->set(clutch_->inner, clutch_->outer, erosion_);
+    if (teeth_)
+      run_with_chips(tick);
+    else
+      (void)run(tick);
+    removal_->torque *= clutch_->coupled;
+    removal_->cutting = removal_->cutting && clutch_->coupled > 0.0;
+  }
+
   ErosionOutcome run(const Tick& tick) {
     ErosionOutcome outcome;
     *removal_ = {};
@@ -87,7 +122,8 @@ class ErosionEffect final : public Effect {
     stress_ = std::max(stress_, outcome.stress);
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
-    const double work = config_.law == ErosionLaw::energy ? outcome.energy : 0.0;
+    const bool counts_work = config_.law == ErosionLaw::energy || config_.law == ErosionLaw::progressive;
+    const double work = counts_work ? outcome.energy : 0.0;
     *removal_ = {outcome.removed_mass, work, torque, true, !outcome.changed.empty(), outcome.outside};
     return outcome;
   }
@@ -106,10 +142,10 @@ class ErosionEffect final : public Effect {
   }
 
   /// @returns the mean hardness [-] of the removed bone, at least 0.1 as in the laws. Removal by whole voxels does not sum it, except with
-  /// law `energy`: there it is the mean of the changed boxes, weighted by occupancy.
+  /// the laws that account work; else it is the mean of the changed boxes, weighted by occupancy.
   [[nodiscard]] double mean_hardness(const ErosionOutcome& outcome) const noexcept {
     if (!(outcome.removed_mass > 0.0)) return 0.0;
-    if (outcome.energy > 0.0) return outcome.energy / (config_.energy.specific_energy * outcome.removed_mass);
+    if (outcome.energy > 0.0) return outcome.energy / (specific_energy_ * outcome.removed_mass);
     const MasterWindow& window = voxmap_->window();
     double sum = 0.0, weight = 0.0;
     for (const VoxelBox& box : outcome.changed)
@@ -127,6 +163,7 @@ class ErosionEffect final : public Effect {
   ErosionConfig config_;
   Stage* stage_;
   Voxmap* voxmap_;
+  double specific_energy_;     // [J/m^3] of bone of hardness 1, in laws that account work
   double tool_radius_;         // [m] of the whole tool, for laws that do not determine the radius at which it cuts
   double removed_mass_ = 0.0;  // [m^3]
   std::uint64_t outside_ = 0;
@@ -137,6 +174,8 @@ class ErosionEffect final : public Effect {
   BoneRemoval* removal_ = nullptr;
   std::optional<CuttingTeeth> teeth_;  // only if the chip load is read
   ChipLoad* chips_ = nullptr;
+  std::optional<RegionSpins> regions_;  // only with a clutch
+  const DrillClutch* clutch_ = nullptr;
 };
 
 class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
@@ -149,11 +188,14 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
         "law", name_of(c.law), words,
         "erosion law; rate: removal in proportion to spin and time, over hardness; per-update: a factor per update, [AcostaLiu07] eq. 4; "
         "energy: by the cutting power of thrust and spin; threshold: whole voxels in a ball inside the bit, where the stress under it "
-        "reaches "
-        "the ultimate strength, [TellesONeill10] section 4.3.4");
+        "reaches the ultimate strength, [TellesONeill10] section 4.3.4; progressive: bone under the bit is damaged by the work of cutting, "
+        "as "
+        "far as the stress there gets on a stress-strain curve, and is gone after the work under the whole curve");
     for (const auto& [word, value] : kLaws)
       if (law == word) c.law = value;
     if (c.law == ErosionLaw::threshold) read_threshold(table);
+    if (c.law == ErosionLaw::progressive) read_progressive(table);
+    if (c.law == ErosionLaw::threshold || c.law == ErosionLaw::progressive) read_bearing(table);
     if (c.law == ErosionLaw::rate || c.law == ErosionLaw::energy)
       c.subvoxel = table.boolean("subvoxel", true,
                                  "true: bone recedes from its face, whose place inside a voxel is kept, and the hole follows the tool's "
@@ -164,9 +206,10 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
       c.energy.specific_energy =
           table.number("specific_energy_J_per_mm3", above_zero(c.energy.specific_energy / kPerCubicMillimetre, kPerCubicMillimetre, 1e3),
                        "energy to remove 1 mm^3 of bone of hardness 1; in proportion to the hardness, with a hardness of at least 0.1");
+    }
+    if (c.law == ErosionLaw::energy || c.law == ErosionLaw::progressive)
       c.energy.cutting_ratio =
           table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "tangential cutting force over normal force");
-    }
     c.minimum_density = static_cast<float>(
         table.number("minimum_density", {.fallback = decimal_of(c.minimum_density), .min = 0.0, .max = 0.5, .max_open = true},
                      "density below which a voxel becomes empty; not used with subvoxel = true"));
@@ -196,7 +239,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   }
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    const bool keyless = config_.law == ErosionLaw::per_update || config_.law == ErosionLaw::threshold;  // without the key subvoxel
+    const bool keyless = config_.law != ErosionLaw::rate && config_.law != ErosionLaw::energy;  // without the key subvoxel
     if (context.needs.holds_back && context.config.tool.spin > 0.0 && !config_.subvoxel)
       out.push_back(fmt::format("{} leaves walls with a roughness of a voxel, on which the model \"surface\" may block the bit: {}",
                                 keyless ? std::string("[erosion] law = \"") + name_of(config_.law) + "\"" : "[erosion] subvoxel = false",
@@ -207,7 +250,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
           "0, "
           "which is above that face: set erosion.subvoxel = false");
     if (context.needs.feels) return;
-    if (config_.law == ErosionLaw::energy || config_.law == ErosionLaw::threshold)
+    if (config_.law != ErosionLaw::rate && config_.law != ErosionLaw::per_update)
       out.push_back(std::string("[erosion] law = \"") + name_of(config_.law) +
                     "\" without [contact]: there is no thrust, so nothing is removed");
     out.push_back("no [contact]: no force acts on the hand, and the tool follows the script through bone");
@@ -237,9 +280,37 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
                                        "largest stress that the material withstands; default: that of the material");
     c.reach = table.number("reach", {.fallback = c.reach, .min = 0.0, .max = 1.0, .min_open = true},
                            "radius of the ball in which voxels are removed over the radius of the bit");
-    c.bearing_share =
-        table.number("bearing_share", {.fallback = c.bearing_share, .min = 0.0, .max = 1.0, .min_open = true},
-                     "share of the projected contact area on which cutting edges bear; the stress is thrust / (share x area)");
+  }
+
+  void read_bearing(TableReader& table) {
+    double& share = config_.law == ErosionLaw::threshold ? config_.threshold.bearing_share : config_.progressive.bearing_share;
+    share = table.number("bearing_share", {.fallback = share, .min = 0.0, .max = 1.0, .min_open = true},
+                         "share of the projected contact area on which cutting edges bear; the stress is thrust / (share x area)");
+  }
+
+  void read_progressive(TableReader& table) {
+    ProgressiveConfig& c = config_.progressive;
+    c.work_share = table.number("work_share", {.fallback = c.work_share, .min = 0.0, .max = 1.0, .min_open = true},
+                                "share of the cutting work that deforms bone; the rest is friction. The default and the default curve give "
+                                "0.1 J/mm3 of cutting work (an assumption)");
+    std::vector<StressStrainPoint> points;
+    std::vector<TableReader> rows = table.tables(
+        "curve",
+        "points of the stress-strain curve of bone of hardness 1, from (0, 0) through where it yields to where it breaks; stresses are "
+        "in proportion to the hardness. Default: cortical bone in tension, yield at 115 MPa, fracture at 133 MPa (an assumption)");
+    for (TableReader& row : rows) {
+      const double strain =
+          row.number("strain", {.fallback = std::nullopt, .min = 0.0, .max = 10.0, .min_open = true}, "strain at the point");
+      const double stress = row.number("stress_MPa", {.fallback = std::nullopt, .min = 0.0, .max = 1e5, .min_open = true, .to_si = 1e6},
+                                       "stress at the point");
+      points.push_back({strain, stress});
+      row.finish();
+    }
+    if (points.empty()) return;
+    if (auto curve = StressStrainCurve::create(std::move(points)))
+      c.curve = std::move(curve).value();
+    else
+      table.fault("curve", curve.error().message);
   }
 
   int rate_hz_ = 50;           // [Hz]
@@ -253,11 +324,13 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry erosion_effect() {
-  return {"erosion",
-          "drilling; without it no bone is removed",
-          read,
-          {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\"", "law = \"threshold\"\nmaterial = \"wood\"",
-           "law = \"threshold\"\nmaterial = \"steel\""}};
+  return {
+      "erosion",
+      "drilling; without it no bone is removed",
+      read,
+      {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\"", "law = \"threshold\"\nmaterial = \"wood\"",
+       "law = \"threshold\"\nmaterial = \"steel\"",
+       "law = \"progressive\"\n[[erosion.curve]]\nstrain = 0.01\nstress_MPa = 100\n[[erosion.curve]]\nstrain = 0.02\nstress_MPa = 110"}};
 }
 
 }  // namespace burrhole

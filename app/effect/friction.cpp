@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "app/effect/registry.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 
@@ -21,7 +22,7 @@ class FrictionEffect final : public Effect {
   Status bind(StepGraph& graph) override {
     auto step = graph.step(
         Clock::contact, "friction", "friction", [](void* self, const Tick&) { static_cast<FrictionEffect*>(self)->run(); }, this);
-    spin_ = step.latest(slots::kSpin);
+    spin_ = step.latest(graph.is_written(slots::kDrillSpin.name) ? slots::kDrillSpin : slots::kSpin);
     tangential_ = step.own(slots::kTangential);
     stage_->servo->use_tangential_law(&at_servo_);
     return {};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/effect/registry.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "haptics/servo/tip_vibration.h"
@@ -18,7 +19,7 @@ class VibrationEffect final : public Effect {
     auto step = graph.step(
         Clock::servo, "vibration", "vibration", [](void* self, const Tick& tick) { static_cast<VibrationEffect*>(self)->run(tick); }, this);
     hand_ = step.now(slots::kHand);
-    spin_ = step.latest(slots::kSpin);
+    spin_ = step.latest(graph.is_written(slots::kDrillSpin.name) ? slots::kDrillSpin : slots::kSpin);
     force_ = step.add(slots::kAddedForce);
     return {};
   }

@@ -103,8 +103,11 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   }
   const auto rate = static_cast<int>(1.0 / simulation.stage().contact_period + 0.5);
   r.speed_mm_s = tip_speed(r.time_s, r.depth_mm, static_cast<std::size_t>(std::max(2, rate / 10)));
-  for (const Approach::Layer& layer : simulation.approach().layers)
-    if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
+  for (const RunSummary::Layer& layer : summary.layers) {
+    for (const auto& [from, to] : layer.spans_mm) r.layers.push_back({layer.name, from, to});
+    r.layer_rows.push_back({layer.name, layer.thickness_mm, layer.time_s, layer.mean_N, layer.peak_N, layer.removed_mass_mm3});
+  }
+  std::ranges::sort(r.layers, {}, &DrillReport::Layer::from_mm);
   for (const RunEvent& event : simulation.events())
     r.events.push_back(
         {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" || event.kind == "zone" || event.kind == "dura"

@@ -12,8 +12,10 @@
 #include "core/measure/approach.h"
 #include "core/tool/buried_cutters.h"
 #include "core/tool/finest_feature.h"
+#include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
 #include "haptics/servo/realtime.h"
+#include "volumes/read/mesh_file.h"
 
 namespace burrhole {
 namespace {
@@ -67,6 +69,14 @@ PlanRow hand_row(const LoadedScene& loaded) {
           .gives = "hand motion",
           .detail = detail(),
           .rate_hz = static_cast<double>(loaded.scene.servo_hz)};
+}
+
+/// Names what is repaired in the mesh of a tool.
+void warn_of_repair(const ToolText& tool, std::vector<std::string>& out) {
+  const auto document = TomlDocument::parse(tool.text, tool.name);
+  if (!document) return;
+  if (const std::string repair = find_tool_repair(*document, {.read_mesh = read_mesh}); !repair.empty())
+    out.push_back(fmt::format("tool \"{}\": {}", tool.name, repair));
 }
 
 /// Warns of cutting regions that meet no bone.
@@ -148,6 +158,7 @@ Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry, const 
   if (!loaded.paged_note.empty()) plan.warnings.push_back("[limits] " + loaded.paged_note);
   warn_of_features(loaded, {loaded.tool.name, loaded.tool_text}, plan.warnings);
   warn_of_buried({loaded.tool.name, loaded.tool_text}, plan.warnings);
+  warn_of_repair({loaded.tool.name, loaded.tool_text}, plan.warnings);
   plan.scene_warnings = plan.warnings.size();
   plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes, run);
   return plan;
@@ -161,6 +172,7 @@ Plan make_run_plan(const LoadedScene& loaded, bool live, const InputTools& tools
   for (const ToolText& one : tools.texts) {
     warn_of_features(loaded, one, plan.warnings);
     warn_of_buried(one, plan.warnings);
+    warn_of_repair(one, plan.warnings);
   }
   return plan;
 }

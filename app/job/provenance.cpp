@@ -32,7 +32,9 @@ std::string shown(const std::string& change) {
   if (equals == std::string::npos) return without_folders(change);
   const std::string key(trimmed(std::string_view(change).substr(0, equals)));
   const std::string_view value = trimmed(std::string_view(change).substr(equals + 1));
-  if ((key == "volume.source" && !value.starts_with("phantom:")) || key == "approach.markups") return key + "=<path>";
+  if ((key == "volume.source" && !value.starts_with("phantom:")) || key == "approach.markups" || key == "volume.labels" ||
+      key == "volume.label_table")
+    return key + "=<path>";
   if (key != "tool.name" && key != "mesh.file") return without_folders(change);
   return key + "=" + std::string(value.substr(value.rfind('/') + 1));
 }

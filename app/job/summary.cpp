@@ -5,12 +5,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
 #include "core/base/units.h"
 #include "core/measure/cross_section.h"
+#include "core/measure/layer_loads.h"
+#include "core/voxel/label_table.h"
 
 namespace burrhole {
 namespace {
@@ -166,6 +170,46 @@ void add_outcome(RunSummary& out, Simulation& simulation) {
   if (out.bone_moves || (!out.breakthrough_s && result == DrillResult::skated_off)) out.plunge_mm.reset();
 }
 
+/// Layers of one label are one row, as the tip may meet a table twice.
+void add_layers(RunSummary& out, Simulation& simulation) {
+  const std::array<double, 256> removed = removed_by_label(simulation.voxmap());
+  const LabelTable table = labels_of(simulation.voxmap().bone().notes());
+  std::map<VoxelLabel, std::size_t> rows;
+  const auto row_of = [&](VoxelLabel label) -> RunSummary::Layer* {
+    const std::string name = label_name(label, table);
+    if (name.empty()) return nullptr;
+    const auto [found, added] = rows.try_emplace(label, out.layers.size());
+    if (added)
+      out.layers.push_back({.name = name, .mean_N = {}, .peak_N = {}, .removed_mass_mm3 = 1e9 * removed[static_cast<std::size_t>(label)]});
+    return &out.layers[found->second];
+  };
+  for (const LayerLoad& load : simulation.layer_loads()) {
+    RunSummary::Layer* const row = row_of(load.label);
+    if (row == nullptr) continue;
+    row->thickness_mm += 1e3 * (load.to - load.from);
+    row->spans_mm.emplace_back(1e3 * load.from, 1e3 * load.to);
+    if (load.time <= 0.0) continue;
+    const double before = row->mean_N.value_or(0.0) * row->time_s;
+    row->time_s += load.time;
+    row->mean_N = (before + load.impulse) / row->time_s;
+    row->peak_N = std::max(row->peak_N.value_or(0.0), load.peak);
+  }
+  for (std::size_t n = 0; n < removed.size(); ++n)
+    if (removed[n] > 0.0) (void)row_of(static_cast<VoxelLabel>(n));
+}
+
+Json layers_json(const RunSummary& s) {
+  Json out = Json::array();
+  for (const RunSummary::Layer& layer : s.layers)
+    out.push_back({{"name", layer.name},
+                   {"thickness_mm", layer.thickness_mm},
+                   {"time_s", layer.time_s},
+                   {"mean_force_N", optional_number(layer.mean_N)},
+                   {"peak_force_N", optional_number(layer.peak_N)},
+                   {"removed_mass_mm3", layer.removed_mass_mm3}});
+  return out;
+}
+
 Json figures_json(const Figures& figures) {
   Json out = Json::object();
   for (const auto& row : figures.rows()) std::visit([&](const auto& value) { out[row.first] = value; }, row.second);
@@ -213,6 +257,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.duration_s = simulation.time();
   out.wall_s = wall_s;
   add_drilling(out, simulation);
+  add_layers(out, simulation);
   add_costs(out, simulation, plan);
   add_outcome(out, simulation);
   if (const FrameStep* frame = simulation.frame_step()) out.uploaded_texels = frame->texels_sent();
@@ -225,25 +270,6 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.predicted_bytes = plan.memory.peak;
   out.bone_file_bytes = loaded.bone->file_bytes();
   return out;
-}
-
-std::string layer_name(VoxelLabel label) {
-  switch (label) {
-    case VoxelLabel::bone:
-      return "bone";
-    case VoxelLabel::outer_table:
-      return "outer table";
-    case VoxelLabel::diploe:
-      return "diploe";
-    case VoxelLabel::inner_table:
-      return "inner table";
-    case VoxelLabel::none:
-    case VoxelLabel::dura:
-    case VoxelLabel::brain:
-    case VoxelLabel::forbidden:
-      return {};
-  }
-  return {};
 }
 
 std::string summary_json(const RunSummary& s) {
@@ -298,6 +324,7 @@ std::string summary_json(const RunSummary& s) {
                       {"tip_out_s", optional_number(s.tip_out_s)},
                       {"axis_removed_at_passing", optional_number(s.removed_at_passing)},
                       {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};
+  json["layers"] = layers_json(s);
   for (const auto& [name, t] : s.timing)
     json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};
   json["timing"]["missed"] = s.missed;

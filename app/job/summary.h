@@ -67,6 +67,16 @@ struct RunSummary {
   std::uint64_t uploaded_texels = 0, window_copies = 0, points_outside = 0;
   std::uint32_t contact_flags = 0;
   std::uint64_t contact_degraded = 0, contact_evaluations = 0;  ///< figures of the effect contact
+  /// A layer of bone: on the planned axis, or removed beside it.
+  struct Layer {
+    std::string name;
+    double thickness_mm = 0.0;                          ///< on the axis; 0: it is not on the axis
+    double time_s = 0.0;                                ///< with the tip in it and a force on the hand
+    std::optional<double> mean_N, peak_N;               ///< of that force; absent: the tip was not in it
+    double removed_mass_mm3 = 0.0;                      ///< of all of its bone; the sum over the layers is that of the run
+    std::vector<std::pair<double, double>> spans_mm{};  ///< depths on the axis
+  };
+  std::vector<Layer> layers;  ///< outermost first
   struct EffectCost {
     std::string name, step;
     double time_us = 0.0;
@@ -84,8 +94,6 @@ struct RunSummary {
   std::optional<Display> display;
 };
 
-/// @returns the name of a layer of bone, as reports and the window write it; empty for what is no bone.
-[[nodiscard]] std::string layer_name(VoxelLabel label);
 /// @returns result, reason and flags of a run (core/measure/outcome.h).
 [[nodiscard]] RunOutcome outcome_of(const RunSummary& summary);
 /// @returns a line of progress: the time [s], and the depth [m] of the tip in bone or its height above it.

@@ -90,6 +90,8 @@ struct MeshBound {
 [[nodiscard]] std::vector<CostRow> mesh_cost_rows(const MeshCost& cost);
 /// @returns the tables as they are printed and stand in docs.
 [[nodiscard]] std::string mesh_cost_tables(const MeshCost& cost);
+/// @returns the rows of cost.csv and the bounds as JSON, schema burrhole.cost_mesh/1; null where a value does not apply.
+[[nodiscard]] std::string mesh_cost_json(const MeshCost& cost);
 /// Writes cost.csv, mesh.md, mesh.svg, mesh_growth.svg and mesh.html into a folder. `unavailable` without gnuplot: the first two are written.
 [[nodiscard]] Status write_mesh_cost(const MeshCost& cost, const std::string& folder);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "app/lab/mesh_cost.h"
 #include "app/report/file.h"
 #include "app/report/html.h"
@@ -214,6 +216,29 @@ std::string mesh_cost_tables(const MeshCost& cost) {
   if (!cost.models.empty())
     out += "\n" + markdown_table(time_heads(cost), time_cells(cost)) + "\n" + markdown_table(kBoundHeads, bound_cells(cost));
   return out;
+}
+
+std::string mesh_cost_json(const MeshCost& cost) {
+  using Json = nlohmann::ordered_json;
+  const std::vector<MeshBound> bounds = cost.models.empty() ? std::vector<MeshBound>{} : mesh_bounds(cost);
+  const bool failed = std::ranges::any_of(bounds, [](const MeshBound& bound) { return !bound.pass(); });
+  Json out{{"schema", "burrhole.cost_mesh/1"}, {"failed", failed}, {"rows", Json::array()}, {"bounds", Json::array()}};
+  for (const CostRow& row : mesh_cost_rows(cost))
+    out["rows"].push_back({{"subject", row.subject},
+                           {"model", row.model},
+                           {"knob", row.knob},
+                           {"setting", row.setting},
+                           {"error_name", row.error_name},
+                           {"error", row.error},
+                           {"unit", row.unit},
+                           {"reference", row.reference},
+                           {"median_us", row.median_us},
+                           {"p99_us", row.p99_us},
+                           {"bytes", row.bytes}});
+  for (const MeshBound& bound : bounds)
+    out["bounds"].push_back(
+        {{"ratio", bound.name}, {"value", bound.value}, {"bound", bound.bound}, {"at_least", bound.at_least}, {"pass", bound.pass()}});
+  return out.dump(2) + "\n";
 }
 
 Status write_mesh_cost(const MeshCost& cost, const std::string& folder) {

@@ -17,6 +17,7 @@
 #include "core/contact/gradient_plane.h"
 #include "core/contact/voxmap_contact.h"
 #include "core/mesh/mesh_contact.h"
+#include "core/mesh/mesh_tool.h"
 #include "core/tool/make_tool.h"
 
 namespace burrhole {
@@ -198,6 +199,33 @@ Result<SlidingSubject> surface_subject(const PointShell& shell, double pitch) {
                         }};
 }
 
+/// The tool of the model `mesh` at rest, as surface_subject().
+Result<SlidingSubject> held_mesh_subject(const PointShell& shell, double pitch) {
+  const auto make = [head = head_of(shell), pitch] {
+    return make_mesh_tool({.coupling_stiffness = kSlidingStiffness, .coupling_damping = 0.0}, head, {.voxel_edge = pitch, .planes = false});
+  };
+  if (auto tried = make(); !tried) return tried.error();
+  return SlidingSubject{"mesh, held", [make](const SlidingBone& bone) -> ForceAt {
+                          const std::shared_ptr<ContactModel> tool = make().value();
+                          const auto placed = std::make_shared<bool>(false);
+                          const auto step = [tool, view = &bone.mesh](const Pose& pose) {
+                            const BoneView seen{.voxels = *view, .surface = {}, .world_from_bone = {}};
+                            const HandMotion hand{pose, Vec3(0.0)};
+                            ContactState out;
+                            tool->step({.bone = seen, .hand = hand, .dt = kPeriod}, out);
+                            return out.on_hand.force;
+                          };
+                          return [tool, placed, step](const Pose& pose) {
+                            if (!*placed) {
+                              tool->place({pose.rotation, pose.translation + pose.rotate(Vec3(0.0, 0.0, kAir))});
+                              for (int n = 0; n < kSettle; ++n) (void)step(pose);
+                              *placed = true;
+                            }
+                            return step(pose);
+                          };
+                        }};
+}
+
 }  // namespace
 
 Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& options) {
@@ -234,6 +262,9 @@ Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& optio
             add(name, MeshContact::create({.stiffness = kSlidingStiffness, .stacking = stacking}, tool->shell), &SlidingBone::mesh);
         !ok)
       return ok.error();
+  auto held = held_mesh_subject(tool->shell, options.pitch);
+  if (!held) return held.error();
+  subjects.push_back(std::move(held).value());
   return subjects;
 }
 

@@ -75,7 +75,7 @@ struct SlideFigures {
 
 /// The models with the tool of the options at 2000 N/m: surface, with rotation locked and without damping, so that the force depends on the
 /// pose only; gradient-plane; voxmap with the point's own voxel and sum_limited (average is a tenth of it where ten points touch); voxmap
-/// with the surface voxel, average and deepest; mesh, deepest and average.
+/// with the surface voxel, average and deepest; mesh with the tool at the hand, deepest and average, and as a constrained tool, as surface.
 [[nodiscard]] Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& options);
 
 /// Four rows of cost.csv each, against tilt: mean_force_off (mean minus true force, < 0 if a model returns less), largest_step and rms_step

@@ -9,8 +9,9 @@
 namespace burrhole {
 
 std::span<const StabilityModel> stability_models() {
-  static const std::array<StabilityModel, 8> models{
+  static const std::array<StabilityModel, 9> models{
       {{.name = "surface", .keys = "model = \"surface\"\n", .constrained = true},
+       {.name = "surface, felt hardness", .keys = "model = \"surface\"\nfelt_hardness = 0.6\n", .constrained = true},
        {.name = "gradient-plane", .keys = "model = \"gradient-plane\"\n"},
        {.name = "voxmap", .keys = "model = \"voxmap\"\n"},
        {.name = "mesh", .keys = "model = \"mesh\"\n", .constrained = true},

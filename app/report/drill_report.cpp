@@ -190,6 +190,18 @@ Status add_pictures(const DrillReport& report, HtmlPage& page) {
   return {};
 }
 
+void add_layers(const DrillReport& report, HtmlPage& page) {
+  if (report.layer_rows.empty()) return;
+  page.heading("Layers of bone");
+  const auto text = [](const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : std::string("-"); };
+  std::vector<std::vector<std::string>> rows;
+  for (const DrillReport::LayerRow& row : report.layer_rows)
+    rows.push_back({row.name, fmt::format("{:.2f}", row.thickness_mm), fmt::format("{:.2f}", row.time_s), text(row.mean_N),
+                    text(row.peak_N), fmt::format("{:.1f}", row.removed_mm3)});
+  page.table({"Layer", "Thickness on the axis (mm)", "Time of the tip (s)", "Mean force (N)", "Largest force (N)", "Removed (mm\u00b3)"},
+             rows);
+}
+
 void add_tables(const DrillReport& report, HtmlPage& page) {
   if (!report.events.empty()) {
     page.heading("Events");
@@ -242,6 +254,7 @@ Result<std::string> make_drill_report(const DrillReport& report) {
   for (const std::string& warning : report.warnings) page.paragraph("Warning: " + warning + ".");
   page.tiles(key_figures(report));
   if (const Status added = add_plots(report, page); !added) return added.error();
+  add_layers(report, page);
   if (const Status added = add_maps(report, page); !added) return added.error();
   if (const Status added = add_pictures(report, page); !added) return added.error();
   add_tables(report, page);

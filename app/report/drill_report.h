@@ -19,6 +19,13 @@ struct DrillReport {
     std::string name;
     double from_mm = 0.0, to_mm = 0.0;
   };
+  /// What the drilling of a layer took.
+  struct LayerRow {
+    std::string name;
+    double thickness_mm = 0.0, time_s = 0.0;
+    std::optional<double> mean_N, peak_N;
+    double removed_mm3 = 0.0;
+  };
   struct Event {
     double time_s = 0.0;
     std::string text;
@@ -64,6 +71,7 @@ struct DrillReport {
   std::vector<double> speed_mm_s;  ///< of the tip along the axis, inwards positive
 
   std::vector<Layer> layers;
+  std::vector<LayerRow> layer_rows;
   std::vector<Event> events;
   std::vector<Picture> pictures;
   std::vector<ValueMap> maps;  ///< of effects, such as the temperature of bone

@@ -1,5 +1,6 @@
 #include "app/run/live_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <exception>
@@ -9,6 +10,7 @@
 #include "app/run/effect_events.h"
 #include "app/run/live_replay.h"
 #include "app/run/live_rows.h"
+#include "app/stage/drill_clutch.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
 #include "core/base/spsc_queue.h"
@@ -123,6 +125,7 @@ class Loops {
   EffectEvents events_;
   ZoneColumns zone_columns_;
   LiveState state_;
+  std::size_t clutch_column_ = EffectValues::kMax;  // of [clutch] in the rows of bone
   bool recorded_losses_ = false;
   double priced_ = 0.0;            // [s] of the latest prices
   double progress_time_ = 0.0;     // [s] simulated time of the last progress report
@@ -245,6 +248,9 @@ void Loops::start() {
   if (parts_->bone->publisher() != nullptr) parts_->bone->publisher()->reserve(window_voxels);
   voxmap.set_prefetch(&prefetch_);
   while (prefetch_.fill(kPrefetchAtOnce) > 0) continue;
+  const std::vector<StepColumn>& columns = parts_->graph.columns(Clock::simulation);
+  const auto clutch = std::ranges::find(columns, kEngagedColumn, &StepColumn::name);
+  clutch_column_ = clutch == columns.end() ? EffectValues::kMax : static_cast<std::size_t>(clutch - columns.begin());
   start_ = now_monotonic();
   hand_off_->open();
   servo_ = std::thread([this] { servo_loop(); });
@@ -344,6 +350,7 @@ Status Loops::drain_bone() {
     report_->bone_skipped += row.skipped;
     state_.bone_us = row.compute_us;
     state_.removed = row.removed;
+    if (clutch_column_ < row.effects.count) state_.driven = row.effects.values[clutch_column_] > 0.0;
     ++state_.steps;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);

@@ -25,7 +25,7 @@ struct StepPrice {
 /// How near the tip is to the zones of [zones].
 struct ZoneReading {
   double distance = 0.0;  ///< [m] negative inside
-  double level = 0.0;     ///< kZoneClear, kZoneNear or kZoneInside of zone_state.h
+  double level = 0.0;     ///< [-] kZoneClear, kZoneNear or kZoneInside of zone_state.h
 };
 
 /// What a person can see and feel of a live run.
@@ -35,9 +35,10 @@ struct LiveState {
   Pose world_from_rest;  ///< of the bone in that result (BoneMotion)
   Vec3 force{0.0};       ///< [N] of the drill on the hand, before the force scale
   DrillProgress progress;
-  double removed = 0.0;                                      ///< [m^3] of bone that was cut so far, undone drilling included
-  double time = 0.0;                                         ///< [s] simulated, of the servo
-  std::uint64_t steps = 0;                                   ///< of bone
+  std::optional<bool> driven;  ///< [clutch]: whether it is engaged, so that the drive turns the drill; without [clutch] nothing
+  double removed = 0.0;        ///< [m^3] of bone that was cut so far, undone drilling included
+  double time = 0.0;           ///< [s] simulated, of the servo
+  std::uint64_t steps = 0;     ///< of bone
   float servo_us = 0.0f, contact_us = 0.0f, bone_us = 0.0f;  ///< [us] computation of the latest steps
   float servo_late_us = 0.0f;                                ///< [us] lateness of the latest servo tick
   std::uint64_t missed = 0;                                  ///< ticks of servo and contact that were missed so far

@@ -61,6 +61,7 @@ Status RunLog::record_hand(const HandState& hand) {
 }
 
 Status RunLog::record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
+  loads_.add(sample.depth, sample.force, sample.time);
   if (keeps_.samples) samples_.push_back(sample);
   if (!drew_half_ && progress.depth > 0.5 * parts_->approach.thickness) {
     drew_half_ = true;

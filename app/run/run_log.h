@@ -9,6 +9,7 @@
 
 #include "app/session/session.h"
 #include "app/stage/stage.h"
+#include "core/measure/layer_loads.h"
 
 namespace burrhole {
 
@@ -38,7 +39,7 @@ class RunLog {
   /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
   /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
   RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, const RunLogConfig& keeps = {})
-      : parts_(&parts), session_(session), gather_(std::move(gather)), keeps_(keeps) {}
+      : parts_(&parts), session_(session), gather_(std::move(gather)), keeps_(keeps), loads_(parts.approach) {}
 
   [[nodiscard]] SessionWriter* session() noexcept { return session_; }
   /// Call at each servo tick. Records an event when the hand enters the next phase of its script.
@@ -59,6 +60,7 @@ class RunLog {
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
 
   [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return samples_; }
+  [[nodiscard]] const std::vector<LayerLoad>& layer_loads() const noexcept { return loads_.loads(); }
   [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return events_; }
 
  private:
@@ -66,6 +68,7 @@ class RunLog {
   SessionWriter* session_;
   std::function<void()> gather_;
   RunLogConfig keeps_;
+  LayerLoads loads_;
   std::vector<RunSample> samples_;
   std::vector<RunEvent> events_;
   std::vector<SessionStill> redrawn_;

@@ -103,6 +103,8 @@ class Simulation {
   [[nodiscard]] std::uint64_t force_hash() const noexcept { return parts_->contact->hash(); }
   /// Hash of all pictures; absent without a display.
   [[nodiscard]] std::optional<std::uint64_t> image_hash() const;
+  /// Time and force of each layer of bone on the axis.
+  [[nodiscard]] const std::vector<LayerLoad>& layer_loads() const noexcept { return log_->layer_loads(); }
   /// Hash of all samples; empty without sound.
   [[nodiscard]] std::string sound_hash() const;
   [[nodiscard]] Voxmap& voxmap() noexcept { return *parts_->voxmap; }

@@ -80,7 +80,7 @@ Error placed(Error error, const VolumeScene& volume) {
     error.message += "; the region lies round entry_mm of [approach]: correct that, or give the scan that holds it as source";
     return error;
   }
-  if (error.place == places.band || error.place == places.spacing) return error;
+  if (error.place == places.band || error.place == places.spacing || (!places.labels.empty() && error.place == places.labels)) return error;
   return {error.code, error.text(), volume.place};
 }
 

@@ -46,6 +46,7 @@ std::vector<SchemaSample> scene_samples() {
   for (const std::string& unit : length_unit_names())
     samples.push_back({"scan in " + unit, scene("source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"),
                        "is not there"});
+  samples.push_back({"scan layers", scene("source = \"SCAN\"\nlayers = \"segment\""), "is not there"});
   for (const std::string scheme : {"planes", "gradient", "hold", "linear"})
     samples.push_back({"servo " + scheme, scene(plate, "servo", "multirate = \"" + scheme + "\""), {}});
   for (const std::string push : {"", "\npush_N = 20"})

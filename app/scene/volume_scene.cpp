@@ -4,6 +4,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/units.h"
+#include "volumes/read/skull_segment.h"
 #include "volumes/read/written_path.h"
 
 namespace burrhole {
@@ -49,7 +50,59 @@ std::vector<HardnessPoint> read_hardness(TableReader& table) {
   return out;
 }
 
-ScanScene read_scan_keys(TableReader& table, std::string path) {
+/// The keys of layers = "segment".
+std::shared_ptr<const SegmentOptions> read_segment(TableReader& table) {
+  const bool wanted = table.choice("layers", "none", {"none", "segment"},
+                                   "segment: outer table, diploe and inner table are found in the scan, which must be in HU, and labelled; "
+                                   "none: its bone has one label") == "segment";
+  if (!wanted) return nullptr;
+  SegmentOptions out;
+  const auto length = [&](std::string_view key, double fallback, double most, std::string_view about) {
+    return table.number(key, {.fallback = fallback / kMillimetre, .min = 0.1, .max = most, .to_si = kMillimetre}, about);
+  };
+  out.air = table.number("air_hu", {.fallback = out.air, .min = -1000.0, .max = 0.0},
+                         "values below are air: half way from air to fat (assumption)");
+  out.least_dip =
+      table.number("least_dip", {.fallback = out.least_dip, .min = 0.0, .max = 0.9},
+                   "least drop of the values from the tables to diploe, as a share of the height of the lesser table above soft tissue; "
+                   "with less, a place has no layers (assumption)");
+  out.least_table = length("least_table_mm", out.least_table, 5.0, "least thickness of a table (assumption)");
+  out.smoothing = length("smoothing_mm", out.smoothing, 20.0,
+                         "standard deviation of the averages along the surface: of normals, values and borders (assumption)");
+  out.dura = length("dura_mm", out.dura, 3.0, "thickness of dura, which the scan does not show (facts: 0.3 to 0.8 mm)");
+  out.blur = table.optional_number("blur_mm", {.fallback = std::nullopt, .min = 0.1, .max = 3.0, .to_si = kMillimetre},
+                                   "blur of the scanner, standard deviation; absent: from the outer edge of the bone, place by place");
+  return std::make_shared<const SegmentOptions>(out);
+}
+
+/// @returns the path of a file that a key names, empty without the key or after an error.
+std::string file_of(TableReader& table, std::string_view key, const std::string& name, const std::string& scene_file) {
+  if (name.empty()) {
+    if (table.has(key)) table.fault(key, "is empty: name a file, or leave the key out");
+    return {};
+  }
+  const auto path = written_path(name, scene_file, "");
+  std::error_code ignored;
+  if (path && fs::is_regular_file(*path, ignored)) return *path;
+  table.fault(key, path ? "is not there: tried " + *path + "; " + kPathsCount : "cannot be found: " + path.error().message);
+  return {};
+}
+
+LabelFiles read_label_files(TableReader& table, const std::string& scene_file) {
+  LabelFiles out;
+  out.volume = file_of(
+      table, "labels",
+      table.text("labels", "",
+                 "label volume on the grid of the scan, in any format that import reads; its labels replace the others. A .seg.nrrd "
+                 "of 3D Slicer has names and colours"),
+      scene_file);
+  out.table = file_of(table, "label_table",
+                      table.text("label_table", "", "names and colours of these labels: a label description file of ITK-SNAP"), scene_file);
+  if (table.has("label_table") && !table.has("labels")) table.fault("label_table", "needs labels: the volume whose labels it names");
+  return out;
+}
+
+ScanScene read_scan_keys(TableReader& table, std::string path, const std::string& scene_file) {
   ScanScene out;
   out.request.path = std::move(path);
   out.request.read.series =
@@ -60,7 +113,9 @@ ScanScene read_scan_keys(TableReader& table, std::string path) {
           table.optional_choice("unit", length_unit_names(), "unit of length of a mesh or another program's .vdb, which carry none"))
     out.request.read.unit = length_unit(*unit);
   BoneOptions& bone = out.request.bone;
-  bone.places = {table.place_of("bone_hu"), table.place_of("spacing_mm"), table.place_of("region_mm")};
+  bone.places = {table.place_of("bone_hu"), table.place_of("spacing_mm"), table.place_of("region_mm"),
+                 table.has("labels") ? table.place_of("labels") : std::string(),
+                 table.has("label_table") ? table.place_of("label_table") : std::string()};
   const NumberRule value{.fallback = std::nullopt, .min = -1e6, .max = 1e6};
   if (const auto band = table.optional_numbers(
           "bone_hu", 2, value,
@@ -75,6 +130,8 @@ ScanScene read_scan_keys(TableReader& table, std::string path) {
   bone.spacing = table.optional_number("spacing_mm", {.fallback = std::nullopt, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
                                        "edge of the cubes to which the scan is resampled; absent: no resampling");
   out.request.read.pitch = bone.spacing;
+  bone.segment = read_segment(table);
+  bone.label_files = read_label_files(table, scene_file);
   if (const auto size = table.optional_numbers(
           "region_mm", 3, {.fallback = std::nullopt, .min = 1.0, .max = 1000.0, .to_si = kMillimetre},
           "size of the box around the approach to which the scan is cropped, along the patient's axes; needs spacing_mm")) {
@@ -108,7 +165,7 @@ VolumeScene read_volume(TableReader table, const std::string& scene_file) {
   if (source.starts_with(kPhantom))
     out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
   else if (!source.empty())
-    out.scan = read_scan_keys(table, source_path(table, source, scene_file));
+    out.scan = read_scan_keys(table, source_path(table, source, scene_file), scene_file);
   const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
   const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "rotation of the bone about the world's x, then y, then z axis");

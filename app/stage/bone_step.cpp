@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/stage/drill_clutch.h"
 #include "core/base/bounds.h"
 #include "core/base/units.h"
 
@@ -94,7 +95,7 @@ void BoneStep::bind() {
   cut_ = graph_->provide(Clock::simulation, slots::kCut);
   spin_asked_ = graph_->provide(Clock::simulation, slots::kSpinAsked);
   own_spin_ = graph_->is_written(slots::kSpin.name) ? nullptr : graph_->provide(Clock::simulation, slots::kSpin);
-  spin_now_ = graph_->find(slots::kSpin);
+  spin_now_ = graph_->is_written(slots::kDrillSpin.name) ? graph_->find(slots::kDrillSpin) : graph_->find(slots::kSpin);
   removal_ = graph_->find(slots::kRemoval);
   *spin_asked_ = spin_;
   if (own_spin_ != nullptr) *own_spin_ = spin_;

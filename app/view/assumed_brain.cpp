@@ -11,8 +11,13 @@
 namespace burrhole {
 namespace {
 
-bool is_layer(float label) {
-  return label >= static_cast<float>(VoxelLabel::outer_table) && label <= static_cast<float>(VoxelLabel::inner_table);
+/// Layers without dura below them are all that there is. A scan whose layers were found has labels of dura, but no soft tissue to be drawn.
+bool has_layers_alone(const std::vector<float>& labels) {
+  const auto has = [&](VoxelLabel first, VoxelLabel last) {
+    return std::ranges::any_of(labels,
+                               [&](float label) { return label >= static_cast<float>(first) && label <= static_cast<float>(last); });
+  };
+  return has(VoxelLabel::outer_table, VoxelLabel::inner_table) && !has(VoxelLabel::dura, VoxelLabel::brain);
 }
 
 constexpr double kPitch = 0.75e-3;  // [m] of the lattice
@@ -66,7 +71,7 @@ std::optional<AssumedBrain> AssumedBrain::create(const BoneModel& bone, const Po
   bone.read_soft(block.box, soft);
   if (std::ranges::any_of(soft, [](float s) { return s > 0.0f; })) return std::nullopt;
   bone.read_labels(block.box, soft);
-  if (std::ranges::any_of(soft, is_layer)) return std::nullopt;
+  if (has_layers_alone(soft)) return std::nullopt;
   AssumedBrain out(bone_from_approach, edge);
   out.columns_.resize(kColumns * kColumns);
   const double step = 0.5 * bone.bone_from_index().mean_edge();

@@ -84,13 +84,19 @@ void BoneMesh::update(const TexelBox& texels) {
   const VoxelBox whole = mesh_.box();
   BH_ASSERT(whole.contains(texels.box) && !texels.of_detail);
   std::size_t n = 0;
+  VoxelBox changed;  // a box of texels is that of all that may have changed
   for_each_voxel(texels.box, [&](const Vec3i& v) {
     const std::size_t at = whole.offset_of(v);
-    density_[at] = density_of(texels.field[n]);
-    bone_[at] = texels.normal_opacity[n++].a;
+    const float density = density_of(texels.field[n]);
+    const std::uint8_t bone = texels.normal_opacity[n++].a;
+    if (density == density_[at] && bone == bone_[at]) return;
+    density_[at] = density;
+    bone_[at] = bone;
+    changed.include(v);
   });
-  mesh_.update(block(), texels.box);
-  mesh_.list_vertices(texels.box.grown(kNormalReach));
+  if (changed.empty()) return;
+  mesh_.update(block(), changed);
+  mesh_.list_vertices(changed.grown(kNormalReach));
 }
 
 std::vector<TriangleRange> BoneMesh::take_changed() {

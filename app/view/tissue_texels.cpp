@@ -1,5 +1,7 @@
 #include "app/view/tissue_texels.h"
 
+#include "core/voxel/label_table.h"
+
 namespace burrhole {
 namespace {
 
@@ -30,9 +32,18 @@ Tint tint_of(VoxelLabel label, float hardness) {
     case VoxelLabel::bone:
     case VoxelLabel::outer_table:
     case VoxelLabel::inner_table:
+    case VoxelLabel::soft_tissue:
+    case VoxelLabel::first_user:
       return kIvory;
   }
   return kIvory;
+}
+
+/// The colour of a label of the user; ivory if it has none.
+Tint tint_of(VoxelLabel label, const LabelTable& own) {
+  for (const NamedLabel& one : own)
+    if (one.label == label) return {one.color[0] / 255.0, one.color[1] / 255.0, one.color[2] / 255.0};
+  return tint_of(VoxelLabel::bone, 1.0f);
 }
 
 /// Smooths colours over a voxel along one axis ([1 2 1] / 4): tissue borders become smooth, as by partial volume in a scan.
@@ -58,8 +69,10 @@ std::vector<Rgba8> make_colors(const BoneModel& bone, const VoxelBox& box) {
   bone.read_soft(box, soft);
   bone.read_labels(halo, labels);
   std::vector<Vec3f> colors(halo.count());
+  const LabelTable own = labels_of(bone.notes());
   for (std::size_t n = 0; n < colors.size(); ++n) {
-    const Tint tint = tint_of(static_cast<VoxelLabel>(static_cast<int>(labels[n])), hardness[n]);
+    const auto label = static_cast<VoxelLabel>(static_cast<int>(labels[n]));
+    const Tint tint = label >= VoxelLabel::first_user ? tint_of(label, own) : tint_of(label, hardness[n]);
     colors[n] = Vec3f(Vec3(tint.r, tint.g, tint.b));
   }
   for (const std::size_t axis : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) fade(colors, halo, axis);

@@ -18,6 +18,13 @@
 namespace burrhole {
 namespace {
 
+/// Ivory tables, reddish diploe, and labels of the user in their own colours.
+ImU32 color_of_layer(VoxelLabel label, const LabelTable& labels) {
+  for (const NamedLabel& one : labels)
+    if (one.label == label) return IM_COL32(one.color[0], one.color[1], one.color[2], 255);
+  return label == VoxelLabel::diploe ? IM_COL32(150, 95, 70, 255) : IM_COL32(225, 214, 190, 255);
+}
+
 constexpr float kPanelWidth = 300.0f;  // [pixels] at scale 1
 constexpr double kHistory = 0.05;      // [s] between two points of a plot
 
@@ -174,8 +181,7 @@ void Panel::layers(const WindowView& view) {
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const auto place = [&](double depth) { return at.x + wide * static_cast<float>(std::clamp(depth / thick, 0.0, 1.0)); };
   for (const Approach::Layer& layer : plan_.approach.layers)
-    list->AddRectFilled(ImVec2(place(layer.from), at.y), ImVec2(place(layer.to), at.y + tall),
-                        layer.label == VoxelLabel::diploe ? IM_COL32(150, 95, 70, 255) : IM_COL32(225, 214, 190, 255));
+    list->AddRectFilled(ImVec2(place(layer.from), at.y), ImVec2(place(layer.to), at.y + tall), color_of_layer(layer.label, plan_.labels));
   list->AddRectFilled(at, ImVec2(place(thick - bone_left(plan_.approach, view.live.progress)), at.y + tall), IM_COL32(20, 22, 26, 190));
   const float tip = place(view.live.progress.depth);
   list->AddTriangleFilled(ImVec2(tip, at.y + tall * 0.5f), ImVec2(tip - tall * 0.6f, at.y - 2.0f),
@@ -184,9 +190,8 @@ void Panel::layers(const WindowView& view) {
 }
 
 void Panel::drive(const WindowView& view) {
-  const double rpm = view.live.hand.spin * plan_.spin_rpm;
-  big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
-      view.live.hand.spin > 0.0 ? gui_->colors().green : gui_->colors().grey);
+  const bool turns = view.live.hand.spin > 0.0 && view.live.driven.value_or(true);
+  big("DRILL", drive_text(plan_, view.live), turns ? gui_->colors().green : gui_->colors().grey);
   ImGui::PushFont(gui_->small());
   if (view.transport)
     text("as recorded");

@@ -68,6 +68,11 @@ double angle_to_surface(const WindowPlan& plan, const LiveState& live) {
   return std::acos(std::clamp(glm::dot(shaft, normal), -1.0, 1.0));
 }
 
+std::string drive_text(const WindowPlan& plan, const LiveState& live) {
+  if (!(live.hand.spin > 0.0)) return "off";
+  return live.driven.value_or(true) ? fmt::format("{:.0f} rpm", live.hand.spin * plan.spin_rpm) : "clutch open";
+}
+
 std::string bone_left_text(const WindowPlan& plan, const LiveState& live) {
   if (live.progress.breakthrough_time) return "through";
   return beside_plan(plan, live) > kBesidePlan ? "-" : fmt::format("{:.1f} mm", bone_left(plan.approach, live.progress) / kMillimetre);
@@ -81,7 +86,7 @@ std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
   if (p.breakthrough_time) return "through the bone";
   for (const Approach::Layer& layer : approach.layers)
     if (p.front >= layer.from && p.front < layer.to)
-      if (std::string name = layer_name(layer.label); !name.empty()) return name;
+      if (std::string name = label_name(layer.label, plan.labels); !name.empty()) return name;
   return "bone";
 }
 

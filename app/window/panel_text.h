@@ -24,6 +24,8 @@ namespace burrhole {
 [[nodiscard]] double beside_plan(const WindowPlan& plan, const LiveState& live);
 /// @returns the angle [rad] between the shaft and the normal of the bone's surface at the planned entry.
 [[nodiscard]] double angle_to_surface(const WindowPlan& plan, const LiveState& live);
+/// @returns the commanded speed, "off", or "clutch open" while the drive turns and [clutch] has released the drill.
+[[nodiscard]] std::string drive_text(const WindowPlan& plan, const LiveState& live);
 /// @returns the bone left, "through", or "-" where the tip is too far beside the plan.
 [[nodiscard]] std::string bone_left_text(const WindowPlan& plan, const LiveState& live);
 /// @returns the layer at the cutting front, "air" above the bone, "through" behind it; "beside the plan" where the tip is too far from it.

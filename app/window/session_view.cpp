@@ -7,6 +7,7 @@
 
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/zone_state.h"
 #include "app/window/start_thread.h"
 #include "core/base/caught_error.h"
@@ -107,6 +108,7 @@ class Replayer {
     now.world_from_rest = contact.bone.world_from_rest;
     now.force = stage.servo->output().force;
     now.progress = simulation_->progress();
+    if (const DrillClutch* const clutch = stage.graph.find(slots::kClutch)) now.driven = clutch->engaged;
     now.removed = simulation_->bone_step().removed_mass();
     if (stage.graph.is_written(slots::kZone.name)) {
       const ZoneState& zone = *stage.graph.find(slots::kZone);

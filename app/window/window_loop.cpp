@@ -33,6 +33,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   WindowPlan plan;
   plan.title = loaded.scene.title;
   plan.approach = stage.approach;
+  plan.labels = labels_of(loaded.bone->notes());
   plan.world_from_bone = loaded.scene.volume.world_from_bone;
   plan.world_from_approach = world_from_approach;
   plan.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;

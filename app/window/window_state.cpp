@@ -117,7 +117,7 @@ void WindowState::step(double dt, const PadState& pad) {
   goals_.publish(controls_->goal());
   const Transport* const transport = controls_->transport();
   const double pace = transport == nullptr ? (controls_->paused() ? 0.0 : 1.0) : transport->runs() ? transport->speed() : 0.0;
-  turned_ += pace * dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
+  if (live_.driven.value_or(true)) turned_ += pace * dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
   turned_ -= std::floor(turned_);
   if (std::string answer = controls_->take_answer(); !answer.empty()) lines_.push_back({time_, std::move(answer), true});
   std::erase_if(lines_, [this](const MessageLine& line) { return time_ - line.time > kLineStays; });

@@ -20,6 +20,7 @@
 #include "app/run/simulation.h"
 #include "app/window/controls.h"
 #include "core/base/result.h"
+#include "core/voxel/label_table.h"
 
 namespace burrhole {
 
@@ -36,6 +37,7 @@ struct MessageLine {
 struct WindowPlan {
   std::string title;
   Approach approach;
+  LabelTable labels{};  ///< of the user
   Pose world_from_bone, world_from_approach;
   double spin_rpm = 0.0;             ///< full speed of the drive
   double reference_push = 0.0;       ///< [N] thrust of the scene's script, a mark on the gauge; 0: none

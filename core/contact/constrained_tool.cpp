@@ -6,29 +6,18 @@
 #include "core/contact/conforming_normal.h"
 #include "core/contact/distance_slope.h"
 #include "core/contact/tool_candidates.h"
+#include "core/contact/tool_sweep.h"
 
 namespace burrhole {
 namespace {
 
-constexpr double kLookAhead = 0.6;                   // [voxel edges] a move knows all planes nearer than this
 constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records around a point hold their distance up to here
-constexpr double kLongestMove = 0.4;     // [voxel edges] of any point near bone: less than the search distance, with margin for curvature
-constexpr double kSettled = 0.05;        // [voxel edges] a last move below this needs no new probe: its error is of second order
-constexpr double kTolerance = 0.002;     // [voxel edges] tolerance of the planes
-constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
-// Fraction of a cutting plane's compliance that is its own; the rest is the shared engagement. Opposed walls act on each other through this
-// fraction alone, so it sets the clamping force on a tool slightly too wide for its hole. A face that recedes sees it as overlap.
-constexpr double kOwnGive = 0.02, kOwnGiveWholeVoxels = 0.05;
-// [voxel edges] clearance of a spinning tool in bone that is cut by whole voxels: the distance by which cutting points that face away from
-// the push move inwards, across the push (cleared_shell.h). The corner between wall and floor is rounded by a voxel.
-constexpr double kClearance = 0.75;
-constexpr std::size_t kFlankPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
-constexpr double kSameFace = 0.94;          // [-] cosine of 20 degrees: two directions within this angle belong to one face
-// [voxel edges] largest distance from the equilibrium of its springs at which a force reversal of a spinning tool is suppressed for a
-// period: it may penetrate bone that it cuts to this depth.
-constexpr double kTurnsRound = 0.2;
-constexpr double kFacing = 0.0;         // [-] cosine: least agreement of the faces of tool and bone in contact
-constexpr double kNewClearance = 0.01;  // [-] change of the push's direction from which the points are moved again
+constexpr float kLeastStiffness = 0.1f;              // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
+constexpr double kOwnGive = 0.02;                    // [-] as kOwnGiveWholeVoxels, where the cutting part is known as a solid
+constexpr std::size_t kFlankPoints = 1200;           // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
+constexpr double kSameFace = 0.94;                   // [-] cosine of 20 degrees: two directions within this angle belong to one face
+constexpr double kFacing = 0.0;                      // [-] cosine: least agreement of the faces of tool and bone in contact
+constexpr double kNewClearance = 0.01;               // [-] change of the push's direction from which the points are moved again
 
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;
@@ -75,7 +64,9 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       regions_(shell),
       places_(points_),
       cover_(shell.positions),
-      surface_(std::move(parts.surface)) {
+      surface_(std::move(parts.surface)),
+      felt_(config.felt_hardness),
+      coupling_(config.coupling_stiffness) {
   if (surface_) cells_ = ShellCells(shell_, *surface_, edge_);
   hits_.reserve(shell_.size());
 }
@@ -85,6 +76,7 @@ Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& con
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.flank_friction) && config.flank_friction >= 0.0))
     return refuse("the share of the lateral stiffness must be finite and at least 0");
+  if (!(config.felt_hardness >= 0.0 && config.felt_hardness < 1.0)) return refuse("the share of hardness that is felt must be in [0, 1)");
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
     if (!(std::isfinite(value) && value > 0.0))
       return refuse("coupling, cutting and bone stiffness and the voxel's edge must be finite and above 0");
@@ -107,6 +99,8 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   forget_places();
   flanks_.clear();
   hold_force_.clear();
+  felt_ = FeltHardness(config_.felt_hardness);
+  coupling_ = config_.coupling_stiffness;
   lying_ = 0.0;
   stop_unseen_ = spinning_ = placed_ = false;
 }
@@ -115,13 +109,12 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
   const Pose& before = state_.world_from_tool;
   const double damping = config_.coupling_damping / dt;
   Pull pull;
-  pull.stiffness = config_.coupling_stiffness + damping;
+  pull.stiffness = coupling_ + damping;
   // K (h - t) + B (h' - (t - t_before) / dt) is zero at the target.
   pull.world_from_target.translation =
-      (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) /
-      pull.stiffness;
+      (coupling_ * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) / pull.stiffness;
   // Rotation likewise, with the same time constant; the hand's rotation in this period gives its rate.
-  const double share = config_.coupling_stiffness / pull.stiffness;
+  const double share = config_.coupling_stiffness / (config_.coupling_stiffness + damping);
   pull.turn_stiffness = config_.turn_stiffness / share;
   const Vec3 whole = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
   const Vec3 hands = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
@@ -233,7 +226,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
                             .stiffness = pull.stiffness,
                             .turn_stiffness = pull.turn_stiffness,
                             .cutting_stiffness = config_.cutting_stiffness / (1.0 - own_give()),
-                            .tolerance = kTolerance * edge_};
+                            .tolerance = kPlaneTolerance * edge_};
   // Bone is at rest within a sweep, so only the first move corrects penetration. Later penetration comes from planes that only approximate
   // the surface.
   if (spinning && std::isfinite(config_.push_out)) let_lie(state_.moves == 0 ? config_.push_out / pull.stiffness : 0.0);
@@ -309,22 +302,6 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   if (!at_rest) state_.flags |= kContactUnsettled;
 }
 
-void ConstrainedTool::pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept {
-  Vec3 now(0.0);
-  for (const HoldPlane& plane : solver_.planes()) now += plane.normal * plane.force;
-  if (added_.tangential != nullptr) now += tangential_.on_tool().force;
-  const Vec3 back = bone_from_target.translation - bone_from_tool_.translation;
-  if (glm::dot(now, before) >= 0.0 || glm::length(back) > kTurnsRound * edge_) return;
-  bone_from_tool_.translation += back;
-  since_look_.translation += back;
-  since_look_.engagement -= engaged_;
-  engaged_ = Vec3(0.0);
-  solver_.clear();
-  if (added_.tangential == nullptr) return;
-  added_.tangential->clear();
-  tangential_.clear();
-}
-
 void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   state_.world_from_tool = bone.world_from_bone * bone_from_tool_;
   Vec3 cutting(0.0);
@@ -354,7 +331,7 @@ void ConstrainedTool::describe(const SurfaceView& whole, double reach, LocalCont
   if ((state_.flags & (kContactOutsideWindow | kContactNotFinite)) != 0) return;
   out.kind = LocalKind::coupled;
   out.engaged = bone.world_from_bone.rotate(engaged_);
-  out.coupling_stiffness = config_.coupling_stiffness;
+  out.coupling_stiffness = coupling_;
   out.coupling_damping = config_.coupling_damping;
   out.turn_stiffness = config_.turn_stiffness;
   out.cutting_stiffness = config_.cutting_stiffness;
@@ -404,6 +381,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   if (bone.world_from_bone.translation != world_from_bone_.translation || bone.world_from_bone.rotation != world_from_bone_.rotation)
     since_far_look_ = 1.0;
   begin_added(added, spin.rate, dt, placed);
+  const Vec3 from = bone_from_tool_.translation + engaged_;
   const Pull pull = pull_of(hand, dt);
   const bool was_spinning = spinning_;
   spinning_ = spin.spinning;
@@ -412,13 +390,21 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   measure_flanks(bone, spinning_);
   const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
   sweep(lying_in(bone), pull, spinning_);
-  if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
+  if (spinning_)
+    suppress_reversal({.solver = solver_,
+                       .tangential = tangential_,
+                       .law = added_.tangential,
+                       .position = bone_from_tool_.translation,
+                       .since_look = since_look_,
+                       .engaged = engaged_},
+                      (bone.world_from_bone.inverse() * pull.world_from_target).translation, before, edge_);
   report(bone);
   if ((state_.flags & kContactOutsideWindow) != 0)
     hold(pull);
   else
     hold_force_.note(state_.on_hand.force);
   end_added();
+  if (felt_.active()) feel_hardness(bone, from, dt);
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;
   return state_;

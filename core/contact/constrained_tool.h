@@ -28,6 +28,7 @@
 #include "core/contact/contact_additions.h"
 #include "core/contact/contact_flag.h"
 #include "core/contact/facing_points.h"
+#include "core/contact/felt_hardness.h"
 #include "core/contact/flank_friction.h"
 #include "core/contact/hand_motion.h"
 #include "core/contact/hit_places.h"
@@ -50,7 +51,8 @@ struct ConstrainedToolConfig {
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: the hand's rotation. Damped with the time constant of the coupling
   double cutting_stiffness = 140e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
   double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
-  double flank_friction = 1.0;       ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
+  double felt_hardness = 0.0;   ///< [-] 0..1 share by which the coupling is softer on bone of hardness 0 (felt_hardness.h); 0: constant
+  double flank_friction = 1.0;  ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
   /// [N] depenetration limit: the largest force per period with which bone that is cut moves penetrating points towards the surface;
   /// infinite: the full correction. Cutting stores no energy, so bone must not accelerate the tool outwards. Example: a ball whose widest
   /// part has passed a rim penetrates the far side of the rim, because of its clearance and because planes only approximate the surface. A
@@ -94,6 +96,7 @@ class ConstrainedTool {
   [[nodiscard]] const ConstrainedToolState& state() const noexcept { return state_; }
   [[nodiscard]] const PointShell& shell() const noexcept { return shell_; }
   [[nodiscard]] const ConstrainedToolConfig& config() const noexcept { return config_; }
+  [[nodiscard]] double coupling_stiffness() const noexcept { return coupling_; }  ///< [N/m] of the next step
   /// After a step on that bone: writes its contact as planes, loaded ones first, then the nearest plane of each spot of the tool. Kind
   /// `none` where the window did not know enough.
   /// @param reach [m] distance that the tool may cover until the next call; nearer planes are listed, as far as records are known.
@@ -111,6 +114,10 @@ class ConstrainedTool {
     Pose world_from_target;
     double stiffness, turn_stiffness;
   };
+  /// [-] Relative stiffness of bone under the contacts; -1 without contact.
+  [[nodiscard]] double hardness_under_contacts(const SurfaceView& bone) const noexcept;
+  /// At the end of a step: the coupling of the next one. @param from [m] bone frame: proxy position at the start of the step.
+  void feel_hardness(const SurfaceView& bone, const Vec3& from, double dt) noexcept;
   [[nodiscard]] Pull pull_of(const HandMotion& hand, double dt) const noexcept;
   /// [m] A shell point in the tool frame; a cutting point is moved inwards, across the push, by the clearance.
   [[nodiscard]] Vec3 cleared(std::size_t point) const noexcept;
@@ -165,10 +172,6 @@ class ConstrainedTool {
   /// The result where bone has not been read: the springs hold the hand as if the tool stood at a wall.
   void hold(const Pull& pull) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
-  /// Prevents a force reversal within a period. The compliance of bone under a ring of loads can move a cutting tool slightly beyond the
-  /// equilibrium of its springs; the tool then stays at the equilibrium for this period. @param before [N] bone frame: force of the last
-  /// period.
-  void pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept;
   void report(const SurfaceView& bone) noexcept;
 
   ConstrainedToolConfig config_;
@@ -208,6 +211,8 @@ class ConstrainedTool {
   Vec3 engaged_at_stop_{0.0};  // [m] bone frame
   bool placed_ = false;        // the frames above are from the last step
   HoldForce hold_force_;       // world frame
+  FeltHardness felt_;
+  double coupling_ = 0.0;  // [N/m] in this step
   ConstrainedToolState state_;
 };
 

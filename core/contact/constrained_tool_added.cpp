@@ -1,15 +1,9 @@
 // Additions of effects to a step of the constrained tool: constraints, and a law of tangential loads.
 #include "core/contact/constrained_tool.h"
 #include "core/contact/constraint_planes.h"
+#include "core/contact/tool_sweep.h"
 
 namespace burrhole {
-namespace {
-
-// Factor on the planes' tolerance. Friction needs the place of the load on a face: 1 um on a 3 mm face is 7e-3 N m of a coupling of 20 N
-// m/rad, which moves the load from the middle to the edge, and friction there would drive a spinning tool sideways.
-constexpr double kFineTolerance = 1e-4;
-
-}  // namespace
 
 HoldMove ConstrainedTool::solve_with(const SurfaceView& bone, const HoldProblem& problem, HoldCandidates& candidates) noexcept {
   ConstraintPlanes constrained(added_.constraints, bone.world_from_bone, bone_from_tool_, candidates);

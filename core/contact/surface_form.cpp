@@ -47,6 +47,10 @@ class SurfaceForm final : public ContactForm {
                                         "hardness, with a hardness of at least 0.1");
     if (auto labels = table.table("label_stiffness", "factors on bone_N_per_m by tissue, for layers that are softer than their hardness"))
       label_stiffness_ = read_label_stiffness(*labels);
+    tool_.felt_hardness =
+        table.number("felt_hardness", {.fallback = tool_.felt_hardness, .min = 0.0, .max = 0.9},
+                     "share by which the spring from hand to tool is softer on bone of hardness 0, in proportion to the hardness "
+                     "times its factor of label_stiffness: a hand then feels tables and diploe; 0: the same spring everywhere");
     if (table.choice("record_bits", "16", {"8", "16"},
                      "bits of each number of a surface record: 8 needs less memory, 16 is more accurate") == "8")
       record_bits_ = RecordPrecision::bits8;

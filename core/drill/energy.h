@@ -66,6 +66,26 @@ class RubbingRadius {
 /// thousandth of 2 pi n M or less. @param cutting_ratio mu [-]. @param force F [N]. @param radius r [m].
 [[nodiscard]] double cutting_torque(double cutting_ratio, double force, double radius) noexcept;
 
+/// Index coordinates of voxels from their offsets; fast for consecutive voxels of one row.
+class VoxelsOfOffsets {
+ public:
+  explicit VoxelsOfOffsets(const VoxelBox& box) noexcept
+      : row_(static_cast<std::size_t>(box.size().x)), slab_(row_ * static_cast<std::size_t>(box.size().y)) {}
+  /// Relative to the box.
+  [[nodiscard]] Vec3i at(std::size_t n) noexcept {
+    if (n - start_ >= row_) {  // also true for offsets before the row: the difference wraps
+      y_ = static_cast<int>(n % slab_ / row_);
+      z_ = static_cast<int>(n / slab_);
+      start_ = n - n % row_;
+    }
+    return {static_cast<int>(n - start_), y_, z_};
+  }
+
+ private:
+  std::size_t row_, slab_, start_ = 0;
+  int y_ = 0, z_ = 0;
+};
+
 /// Lists the engaged voxels of a pose from the erosion points, for removal by whole voxels.
 class EngagedScatter {
  public:

@@ -16,26 +16,6 @@ double hardness_of(const MasterWindow& window, std::size_t at) {
   return static_cast<double>(std::max(window.hardness[at], kLeastHardness));
 }
 
-/// Index coordinates of voxels from their offsets; fast for consecutive voxels of one row.
-class Voxels {
- public:
-  explicit Voxels(const VoxelBox& box) noexcept
-      : row_(static_cast<std::size_t>(box.size().x)), slab_(row_ * static_cast<std::size_t>(box.size().y)) {}
-  /// Relative to the box.
-  [[nodiscard]] Vec3i at(std::size_t n) noexcept {
-    if (n - start_ >= row_) {  // also true for offsets before the row: the difference wraps
-      y_ = static_cast<int>(n % slab_ / row_);
-      z_ = static_cast<int>(n / slab_);
-      start_ = n - n % row_;
-    }
-    return {static_cast<int>(n - start_), y_, z_};
-  }
-
- private:
-  std::size_t row_, slab_, start_ = 0;
-  int y_ = 0, z_ = 0;
-};
-
 constexpr std::size_t kBatch = 256;
 
 }  // namespace
@@ -89,7 +69,7 @@ void EngagedRemoval::apply(Voxmap& voxmap, double turns, ErosionOutcome& outcome
   const MasterWindow& window = voxmap.window();
   const double cell_volume = voxmap.bone().bone_from_index().cell_volume();
   const std::span<float> bone = voxmap.remaining();
-  Voxels voxels(window.box);
+  VoxelsOfOffsets voxels(window.box);
   std::array<float, kBatch> available{}, exposure{}, hardness, left{};
   hardness.fill(1.0f);
   for (std::size_t from = 0; from < engaged_.size(); from += kBatch) {

@@ -4,6 +4,7 @@
 ///   same for all voxels: the k that uses the work of the sub-step (core/drill/energy.h). Bone below minimum_density becomes 0.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/drill/energy.h"
@@ -16,6 +17,8 @@ class EngagedRemoval {
  public:
   /// @returns out_of_range if energies are not > 0.
   [[nodiscard]] static Result<EngagedRemoval> create(const ErosionConfig& config, const ErosionPoints& points);
+  /// As Erosion::set_factors().
+  void set_factors(std::span<const float> factors) { points_.factors.assign(factors.begin(), factors.end()); }
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, int substeps, const CuttingLoad& load, double dt);
 
  private:

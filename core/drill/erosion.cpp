@@ -6,6 +6,7 @@
 #include "core/base/portable_math.h"
 #include "core/drill/engaged_removal.h"
 #include "core/drill/face_removal.h"
+#include "core/drill/progressive_removal.h"
 #include "core/drill/removal_pass.h"
 #include "core/drill/threshold_removal.h"
 
@@ -45,6 +46,10 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
     auto ball = ThresholdRemoval::create(config.threshold, points);
     if (!ball) return ball.error();
     erosion.ball_ = std::make_unique<ThresholdRemoval>(std::move(ball).value());
+  } else if (config.law == ErosionLaw::progressive) {
+    auto progressive = ProgressiveRemoval::create(config, points);
+    if (!progressive) return progressive.error();
+    erosion.progressive_ = std::make_unique<ProgressiveRemoval>(std::move(progressive).value());
   } else if (config.subvoxel) {
     auto face = FaceRemoval::create(config, std::move(field));
     if (!face) return face.error();
@@ -55,6 +60,16 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
     erosion.engaged_ = std::make_unique<EngagedRemoval>(std::move(engaged).value());
   }
   return erosion;
+}
+
+void Erosion::set_factors(std::span<const float> factors) {
+  BH_ASSERT(factors.size() == count_);
+  if (engaged_) engaged_->set_factors(factors);
+  if (points_.size() == 0) return;
+  points_.factors.assign(factors.begin(), factors.end());
+  weighed_for_ = 0.0;
+  strength_ = {};
+  if (config_.form == ErosionForm::scatter) scatter_ = PointScatter(points_);
 }
 
 int Erosion::substeps_for(const ErosionPath& path) const noexcept {
@@ -75,6 +90,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const Cutt
   const double spin = load.spin;
   if (!(spin > 0.0) || count_ == 0 || !(dt > 0.0)) return outcome;
   if (ball_) return ball_->step(voxmap, path, substeps_for(path), load);
+  if (progressive_) return progressive_->step(voxmap, path, substeps_for(path), load, dt);
   if (face_) return face_->step(voxmap, path, substeps_for(path), load, dt);
   if (engaged_) return engaged_->step(voxmap, path, substeps_for(path), load, dt);
   const MasterWindow& window = voxmap.window();

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/bounds.h"
@@ -15,6 +16,7 @@
 #include "core/base/result.h"
 #include "core/drill/exposure.h"
 #include "core/drill/strength_field.h"
+#include "core/drill/stress_strain.h"
 #include "core/tool/tool.h"
 #include "core/voxel/tile_marks.h"
 #include "core/voxel/voxmap.h"
@@ -36,6 +38,9 @@ enum class ErosionLaw {
   /// Whole voxels whose centres lie in a ball inside the cutting part, where the stress under it reaches the strength of the material
   /// (threshold_removal.h); [TellesONeill10] section 4.3.4 and table 1.
   threshold,
+  /// Bone under the bit is damaged by the work of cutting, as far as the stress there gets on the stress-strain curve of the bone, and is gone
+  /// when it has taken the work under the whole curve (progressive_removal.h).
+  progressive,
 };
 
 /// Parameters of law `energy`.
@@ -49,6 +54,15 @@ struct ThresholdConfig {
   double ultimate_strength = 170e6;  ///< [Pa] > 0: largest stress that the material withstands; [TellesONeill10] table 1, bone (limb)
   double reach = 0.75;               ///< [-] in (0, 1]: radius of the ball of removed voxels over that of the bit's; sec. 4.3.4
   double bearing_share = 0.002;      ///< [-] in (0, 1]: share of the projected contact area on which cutting edges bear (an assumption)
+};
+
+/// Parameters of law `progressive`, with the cutting ratio of EnergyConfig.
+struct ProgressiveConfig {
+  StressStrainCurve curve;  ///< at hardness 1
+  /// [-] in (0, 1]: of the cutting work, what deforms bone; the rest is friction. Default: cortical bone takes 0.1 J/mm^3 of cutting work, the
+  /// specific energy of law `energy` (an assumption).
+  double work_share = 0.034;
+  double bearing_share = 0.001;  ///< [-] in (0, 1]: as that of ThresholdConfig (an assumption)
 };
 
 /// How the exposure of voxels is computed from points, for the laws `rate` and `per_update` by whole voxels; not used otherwise.
@@ -65,6 +79,7 @@ struct ErosionConfig {
   bool subvoxel = false;          ///< laws `rate` and `energy`: the face of bone, which may lie inside a voxel, recedes (cut_face.h)
   EnergyConfig energy{};
   ThresholdConfig threshold{};
+  ProgressiveConfig progressive{};
 };
 
 /// Result of one step.
@@ -73,13 +88,14 @@ struct ErosionOutcome {
   std::uint32_t substeps = 0;
   std::uint32_t touched = 0;  ///< voxels whose remaining changed, counted once a sub-step
   std::uint32_t outside = 0;  ///< points (sub-voxel: voxels) beyond the window's edge, where bone is not eroded; should be 0
-  /// [J] law `energy`: work of the removal. It may exceed the work of the load; the excess is subtracted from the work of later sub-steps.
+  /// [J] laws `energy` and `progressive`: work of the removal. With `energy` it may exceed the work of the load; the excess is subtracted from
+  /// the work of later sub-steps.
   double energy = 0.0;
   /// [m] mean radius from the tool's axis at which bone is rubbed. Law `energy` by whole voxels: of the engaged voxels, weighted by
   /// exposure; 0 if none is engaged. Sub-voxel removal: of the removed bone, weighted by mass; if nothing was removed, that of the last
-  /// removal, 0 before the first. Laws `rate` and `per_update` by whole voxels: always 0.
+  /// removal, 0 before the first. Law `progressive`: of the voxels that took work. Other laws by whole voxels: always 0.
   double rubbing_radius = 0.0;
-  double stress = 0.0;  ///< [Pa] law `threshold`: the largest under the bit in this step; 0 for other laws and without contact
+  double stress = 0.0;  ///< [Pa] laws `threshold` and `progressive`: the largest under the bit in this step; 0 without contact
   VoxelBoxes changed;   ///< disjoint boxes of all changed voxels; the caller passes them to Voxmap::commit()
 };
 
@@ -96,14 +112,16 @@ struct ErosionPath {
 /// Load on the tool.
 struct CuttingLoad {
   double spin = 0.0;   ///< [rev/s] 0 removes nothing
-  double force = 0.0;  ///< [N] normal force on the cutting part; used by the laws `energy` and `threshold` only: 0 removes nothing
-  Vec3 reaction{0.0, 0.0,
-                1.0};  ///< [-] unit, tool frame: direction of the force of bone on the tool; used by `subvoxel` and law `threshold`
+  double force = 0.0;  ///< [N] normal force on the cutting part; not used by the laws `rate` and `per_update`; else 0 removes nothing
+  Vec3 reaction{
+      0.0, 0.0,
+      1.0};  ///< [-] unit, tool frame: direction of the force of bone on the tool; used by `subvoxel` and the laws `threshold` and `progressive`
 };
 
 class EngagedRemoval;
 class FaceRemoval;
 class ThresholdRemoval;
+class ProgressiveRemoval;
 struct CuttingField;
 
 /// Applies the erosion points of a tool. One instance per tool and window; scratch memory is kept between steps.
@@ -122,6 +140,10 @@ class Erosion {
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, double spin, double dt);
   /// The same with a load, for law `energy`.
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, const CuttingLoad& load, double dt);
+
+  /// Replaces the erosion factors [1/rev] of the points, in their order: regions of the tool have speeds of their own (region_spin.h). With
+  /// `subvoxel` the factors are those of the cutting field, and this does nothing. May allocate. @pre finite, >= 0, one for each point.
+  void set_factors(std::span<const float> factors);
 
   [[nodiscard]] const ErosionConfig& config() const noexcept { return config_; }
   [[nodiscard]] int substeps_for(const ErosionPath& path) const noexcept;
@@ -143,6 +165,7 @@ class Erosion {
   std::unique_ptr<FaceRemoval> face_;        // sub-voxel removal; null otherwise
   std::unique_ptr<EngagedRemoval> engaged_;  // law `energy` by whole voxels; null otherwise
   std::unique_ptr<ThresholdRemoval> ball_;   // law `threshold`; null otherwise
+  std::unique_ptr<ProgressiveRemoval> progressive_;  // law `progressive`; null otherwise
 };
 
 }  // namespace burrhole

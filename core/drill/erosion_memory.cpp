@@ -82,7 +82,7 @@ std::uint64_t erosion_bytes(const ErosionConfig& config, const Tool& tool, const
            count_cut_blocks(*tool.cutting, way, voxel_edge) * (sizeof(CutSurface::Block) + CutFace::quiet_bytes() + 2 * kBlockOverhead) +
            CutFace::list_bytes(nodes) + sizeof(CutFace) + kTileBytes;
   }
-  if (config.law == ErosionLaw::threshold) return window_voxels / 512 * sizeof(TileMarks::Tile);
+  if (config.law == ErosionLaw::threshold || config.law == ErosionLaw::progressive) return window_voxels / 512 * sizeof(TileMarks::Tile);
   if (config.law != ErosionLaw::energy) return scatter_bytes(config, tool.erosion, way.index_from_tool);
   return tool.erosion.size() * (sizeof(Vec3) + sizeof(float)) + window_voxels * sizeof(std::uint32_t);
 }

@@ -8,7 +8,6 @@
 ///          solid voxels inside the ball of the bit, so the stress is force / (share x area).
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "core/drill/erosion.h"
@@ -21,10 +20,6 @@ struct CuttingBall {
   double radius = 0.0;  ///< [m] 0: the bit does not cut
 };
 [[nodiscard]] CuttingBall cutting_ball(const ErosionPoints& points);
-
-/// @returns the area [m^2] of the projection along `direction` (unit) of cubes of edge `edge` [m] round the points, counted on a raster of
-/// that edge. `cells` is scratch memory.
-[[nodiscard]] double projected_area(std::span<const Vec3> points, const Vec3& direction, double edge, std::vector<std::uint64_t>& cells);
 
 class ThresholdRemoval {
  public:

@@ -10,22 +10,13 @@
 #include "core/contact/constraint_planes.h"
 #include "core/contact/hold_force.h"
 #include "core/contact/shell_cover.h"
-#include "core/contact/tangential_hold.h"
+#include "core/contact/tool_sweep.h"
 #include "core/mesh/mesh_gaps.h"
 
 namespace burrhole {
 namespace {
 
-// Of constrained_tool.cpp, which says how each was found.
-constexpr double kLookAhead = 0.6;       // [voxel edges] a move knows all planes nearer than this
-constexpr double kLongestMove = 0.4;     // [voxel edges] of any point near bone
-constexpr double kSettled = 0.05;        // [voxel edges] a last move below this needs no new probe
-constexpr double kTolerance = 0.002;     // [voxel edges] of the planes
-constexpr double kOwnGive = 0.05;        // [-] share of a cutting plane's compliance that is its own
-constexpr double kClearance = 0.75;      // [voxel edges] largest clearance of a spinning tool across the push
-constexpr double kClearanceRise = 4.0;   // [-] clearance over engaged depth below that: first contact is at the tool's pose
-constexpr double kTurnsRound = 0.2;      // [voxel edges] a force reversal nearer to the equilibrium of the springs is suppressed
-constexpr double kFineTolerance = 1e-4;  // [-] factor on the tolerance with a tangential law
+constexpr double kClearanceRise = 4.0;   // [-] clearance over engaged depth below kClearance: first contact is at the tool's pose
 constexpr std::size_t kDirections = 24;  // of planes without load that the servo gets: six sides of a cube, in quarters
 
 /// The side of a cube and its quarter that a direction points to, 0 to 23.
@@ -82,7 +73,6 @@ class MeshTool final : public ContactModel {
   void look(const ContactView& bone, double reach) noexcept;
   void sweep(const BoneView& bone, const Pose& bone_from_target, const Pull& pull) noexcept;
   [[nodiscard]] HoldMove solve(const Pose& bone_from_target, const Pull& pull, bool first) noexcept;
-  void pass_through_nothing(const Vec3& bone_from_target, const Vec3& before) noexcept;
   void report(const Pose& world_from_bone, const Pull& pull, ContactState& out) noexcept;
   void describe(const BoneView& bone, double reach, LocalContact& out) noexcept;
   void stay(ContactState& out) const noexcept;
@@ -155,7 +145,7 @@ HoldPlane MeshTool::plane_of(const MeshGap& gap) const noexcept {
   plane.cutting = cuts(gap.point);
   plane.gap = gap.gap;
   plane.normal = gap.normal != Vec3(0.0) ? gap.normal : bone_from_tool_.rotate(shell_.inward_normals[gap.point]);
-  plane.yield = plane.cutting ? kOwnGive / config_.cutting_stiffness : 1.0 / config_.bone_stiffness;
+  plane.yield = plane.cutting ? kOwnGiveWholeVoxels / config_.cutting_stiffness : 1.0 / config_.bone_stiffness;
   return plane;
 }
 
@@ -183,8 +173,8 @@ HoldMove MeshTool::solve(const Pose& bone_from_target, const Pull& pull, bool fi
                             .engaged = engaged_,
                             .stiffness = pull.stiffness,
                             .turn_stiffness = std::numeric_limits<double>::infinity(),
-                            .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
-                            .tolerance = kTolerance * edge_};
+                            .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGiveWholeVoxels),
+                            .tolerance = kPlaneTolerance * edge_};
   Candidates candidates(*this);
   ConstraintPlanes constrained(added_.constraints, world_from_bone_, bone_from_tool_, candidates);
   if (law_ == nullptr) return solver_.solve(problem, constrained);
@@ -226,22 +216,6 @@ void MeshTool::sweep(const BoneView& bone, const Pose& bone_from_target, const P
     at_rest = length <= kSettled * edge_ || (relaxation <= 0.25 && length <= 4.0 * kSettled * edge_);
   }
   if (!at_rest) flags_ |= kContactUnsettled;
-}
-
-void MeshTool::pass_through_nothing(const Vec3& bone_from_target, const Vec3& before) noexcept {
-  Vec3 now(0.0);
-  for (const HoldPlane& plane : solver_.planes()) now += plane.normal * plane.force;
-  if (law_ != nullptr) now += tangential_.on_tool().force;
-  const Vec3 back = bone_from_target - bone_from_tool_.translation;
-  if (glm::dot(now, before) >= 0.0 || glm::length(back) > kTurnsRound * edge_) return;
-  bone_from_tool_.translation += back;
-  since_look_.translation += back;
-  since_look_.engagement -= engaged_;
-  engaged_ = Vec3(0.0);
-  solver_.clear();
-  if (law_ == nullptr) return;
-  law_->clear();
-  tangential_.clear();
 }
 
 void MeshTool::report(const Pose& world_from_bone, const Pull& pull, ContactState& out) noexcept {
@@ -345,7 +319,14 @@ void MeshTool::step(const ContactInput& in, ContactState& out) noexcept {
   const Pose bone_from_world = world_from_bone_.inverse();
   const Pose bone_from_target = bone_from_world * Pose{hand.rotation, pull.target};
   sweep(in.bone, bone_from_target, pull);
-  if (spinning_) pass_through_nothing(bone_from_target.translation, bone_from_world.rotate(on_hand_));
+  if (spinning_)
+    suppress_reversal({.solver = solver_,
+                       .tangential = tangential_,
+                       .law = law_,
+                       .position = bone_from_tool_.translation,
+                       .since_look = since_look_,
+                       .engaged = engaged_},
+                      bone_from_target.translation, bone_from_world.rotate(on_hand_), edge_);
   report(world_from_bone_, pull, out);
   out.flags = flags_;
   if (options_.planes) {

@@ -5,6 +5,7 @@
 #include "core/tool/cutting_field.h"
 #include "core/tool/erosion_points.h"
 #include "core/tool/fluted_mesh.h"
+#include "core/tool/join_rounded.h"
 #include "core/tool/mesh_tool.h"
 #include "core/tool/point_shell.h"
 #include "core/tool/tool_mesh.h"
@@ -78,6 +79,7 @@ std::optional<SurfaceMesh> read_tool_mesh(const MeshToolSpec& spec, const ToolOp
   if (!options.read_mesh) return refuse(bad_input("cannot be read: this program has no mesh reader"));
   Result<SurfaceMesh> mesh = options.read_mesh(spec.path, spec.unit);
   if (!mesh) return refuse(mesh.error());
+  join_rounded(*mesh);
   Result<SurfaceMesh> placed = place_tool_mesh(spec, std::move(mesh).value());
   if (!placed) return refuse(placed.error());
   return std::move(placed).value();
@@ -103,6 +105,17 @@ std::optional<Tool> make_from_mesh(const TomlDocument& document, const ToolOptio
 }
 
 }  // namespace
+
+std::string find_tool_repair(const TomlDocument& document, const ToolOptions& options) {
+  Issues ignored;
+  if (!has_tool_mesh(document) || !options.read_mesh) return "";
+  const auto spec = read_mesh_tool_spec(document, ignored);
+  if (!spec) return "";
+  auto mesh = options.read_mesh(spec->path, spec->unit);
+  if (!mesh) return "";
+  const RoundingJoin join = join_rounded(*mesh);
+  return join.joined > 0 ? "mesh.file = \"" + spec->file + "\": " + join.text() : "";
+}
 
 std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& options, Issues& issues) {
   if (has_tool_mesh(document)) return make_from_mesh(document, options, issues);

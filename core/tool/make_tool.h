@@ -23,6 +23,10 @@ struct ToolOptions {
 /// @returns nothing if an issue was pushed. Allocates; not for the servo path.
 [[nodiscard]] std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& options, Issues& issues);
 
+/// @returns what is repaired in the surface file of a [mesh] (core/tool/join_rounded.h), one sentence; empty: nothing, or the file cannot be
+/// read.
+[[nodiscard]] std::string find_tool_repair(const TomlDocument& document, const ToolOptions& options);
+
 /// Reads the file at `path` and makes the tool. A file that cannot be read or parsed is an issue.
 [[nodiscard]] std::optional<Tool> load_tool(const std::string& path, const ToolOptions& options, Issues& issues);
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>
 
+#include "core/tool/join_rounded.h"
 #include "core/tool/mesh_slices.h"
 
 namespace burrhole {
@@ -14,6 +17,7 @@ namespace {
 
 using Id = std::uint32_t;
 constexpr Id kNone = std::numeric_limits<Id>::max();
+constexpr double kRounding = 0x1p-22;  // [-] four roundings of a 32-bit float
 
 bool lexicographic(const Vec3& a, const Vec3& b) noexcept {
   if (a.x != b.x) return a.x < b.x;
@@ -81,6 +85,42 @@ std::vector<Edge> count_edges(std::span<const Edge> edges, MeshCheck& check) {
   check.open_edges = open.size();
   return open;
 }
+
+/// Positions of which each is farther than a tolerance from all others, in a hash table of cells of that edge.
+class DistinctPlaces {
+ public:
+  DistinctPlaces(std::size_t most, double tolerance) : tolerance_(tolerance), first_(std::bit_ceil(most + 1), kNone) {}
+
+  /// @returns a known position within the tolerance, else adds this one.
+  std::optional<Vec3> known_or_add(const Vec3& p) {
+    const Vec3 cell = glm::floor(p / tolerance_);
+    for (int n = 0; n < 27; ++n)
+      for (Id i = first_[bucket(cell + Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1))]; i != kNone; i = places_[i].next)
+        if (glm::distance(places_[i].position, p) <= tolerance_) return places_[i].position;
+    Id& first = first_[bucket(cell)];
+    places_.push_back({p, first});
+    first = static_cast<Id>(places_.size() - 1);
+    return std::nullopt;
+  }
+
+ private:
+  struct Place {
+    Vec3 position;
+    Id next;  // of the same bucket
+  };
+  [[nodiscard]] std::size_t bucket(const Vec3& cell) const noexcept {
+    std::uint64_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      hash = (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(cell[axis]))) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash & (first_.size() - 1);
+  }
+
+  double tolerance_;
+  std::vector<Id> first_;
+  std::vector<Place> places_;
+};
 
 /// Follows open edges from vertex to vertex until each chain closes or ends.
 void measure_holes(std::span<const Edge> open, std::span<const Vec3> positions, MeshCheck& check) {
@@ -207,6 +247,36 @@ SurfaceMesh weld(const SurfaceMesh& mesh) {
     }
     out.indices.push_back(name);
   }
+  return out;
+}
+
+std::string RoundingJoin::text() const {
+  return fmt::format("{} {} within {:.2g} mm of another, a rounding of 32-bit coordinates: joined", joined,
+                     joined == 1 ? "vertex of an open edge lies" : "vertices of open edges lie", tolerance * 1e3);
+}
+
+RoundingJoin join_rounded(SurfaceMesh& mesh) {
+  const std::vector<Id> first = first_at_place(mesh.positions);
+  const std::vector<Triangle> triangles = whole_triangles(mesh, first);
+  MeshCheck ignored;
+  const std::vector<Edge> open = count_edges(sorted_edges(triangles), ignored);
+  RoundingJoin out;
+  if (open.empty()) return out;
+  for (const Vec3& p : mesh.positions) out.tolerance = std::max({out.tolerance, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  out.tolerance *= kRounding;
+  if (!(out.tolerance > 0.0)) return out;
+  std::vector<Id> border;
+  for (const Edge& edge : open) border.insert(border.end(), {edge.low, edge.high});
+  std::sort(border.begin(), border.end());
+  border.erase(std::unique(border.begin(), border.end()), border.end());
+  DistinctPlaces places(border.size(), out.tolerance);
+  std::vector<std::optional<Vec3>> moved(mesh.positions.size());
+  for (const Id v : border)
+    if ((moved[v] = places.known_or_add(mesh.positions[v]))) ++out.joined;
+  if (out.joined == 0) return out;
+  for (Id v = 0; v < mesh.positions.size(); ++v)
+    if (const auto& to = moved[first[v]]) mesh.positions[v] = *to;
+  mesh = weld(mesh);
   return out;
 }
 

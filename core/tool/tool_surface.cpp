@@ -164,13 +164,38 @@ void join(ToolFaces& faces) noexcept {
 }  // namespace
 
 ToolSurface::ToolSurface(const ToolSpec& spec) {
-  for (const RegionSpec& region : spec.regions) parts_.push_back({region.solid, kCellRadius * pitch_of(region), region.erosion.base > 0.0});
+  for (const RegionSpec& region : spec.regions)
+    parts_.push_back({region.name, region.solid, kCellRadius * pitch_of(region), region.erosion.base > 0.0});
 }
 
 bool ToolSurface::cuts_at(const Vec3& p) const noexcept {
   if (!nodes_.empty()) return p.z >= cut_from_ && p.z <= cut_to_;
   const auto owner = std::ranges::find_if(parts_, [&](const Part& part) { return part.solid.contains(p); });
   return owner != parts_.end() && owner->cuts;
+}
+
+std::optional<std::size_t> ToolSurface::find_region(std::string_view name) const noexcept {
+  std::optional<std::size_t> found;
+  for (std::size_t n = 0; n < parts_.size(); ++n) {
+    if (parts_[n].name != name) continue;
+    if (found) return std::nullopt;
+    found = n;
+  }
+  return found;
+}
+
+std::size_t ToolSurface::region_at(const Vec3& p) const noexcept {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < parts_.size(); ++n) {
+    if (parts_[n].solid.contains(p)) return n;
+    const Vec3 off = p - nearest_of(parts_[n].solid, p);
+    if (const double distance2 = glm::dot(off, off); distance2 < least) {
+      least = distance2;
+      best = n;
+    }
+  }
+  return best;
 }
 
 std::vector<double> ToolSurface::region_heights() const {

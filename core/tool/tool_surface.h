@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/assert.h"
@@ -46,11 +48,16 @@ class ToolSurface {
   [[nodiscard]] ToolFaces faces_at(const Vec3& p) const noexcept;
   /// @returns whether the material at p belongs to a region that cuts, of a mesh: to its cutting heights. False outside the tool.
   [[nodiscard]] bool cuts_at(const Vec3& p) const noexcept;
+  /// @returns the number of a region by its name in the tool file; nothing if no region or several have it, or the tool is a mesh.
+  [[nodiscard]] std::optional<std::size_t> find_region(std::string_view name) const noexcept;
+  /// @returns the region that owns the material at p: the first that contains it, outside all of them the nearest. 0 of a mesh.
+  [[nodiscard]] std::size_t region_at(const Vec3& p) const noexcept;
   /// @returns heights [m] at which regions begin and end, not sorted.
   [[nodiscard]] std::vector<double> region_heights() const;
 
  private:
   struct Part {
+    std::string name;
     Solid solid;
     double cell_radius = 0.0;  ///< [m]
     bool cuts = false;

@@ -29,18 +29,26 @@ enum class VoxelLabel : std::uint8_t {
   inner_table = 4,
   dura = 5,
   brain = 6,
-  forbidden = 7
+  forbidden = 7,
+  soft_tissue = 8,  ///< outside the skull, within a few millimetres; air is `none`
+  first_user = 16   ///< this number and those above are labels of the user, with names and colours: label_table.h
 };
-inline constexpr std::size_t kVoxelLabels = 8;
+inline constexpr std::size_t kVoxelLabels = 8;  ///< that have a factor of their own
 
-/// @returns whether the tissue exerts contact forces: bone of any kind.
+/// @returns whether the tissue exerts contact forces: bone of any kind. A label of the user counts as bone where there is bone.
 [[nodiscard]] constexpr bool is_felt(VoxelLabel label) noexcept {
-  return label != VoxelLabel::none && label != VoxelLabel::dura && label != VoxelLabel::brain;
+  return label != VoxelLabel::none && label != VoxelLabel::dura && label != VoxelLabel::brain && label != VoxelLabel::soft_tissue;
 }
 
 /// A factor for each label, in the order of VoxelLabel.
 using LabelFactors = std::array<float, kVoxelLabels>;
 inline constexpr LabelFactors kAllAlike{1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+
+/// @returns the factor of a label; that of `bone` for labels that have none of their own.
+[[nodiscard]] constexpr float factor_of(const LabelFactors& factors, VoxelLabel label) noexcept {
+  const auto n = static_cast<std::size_t>(label);
+  return factors[n < kVoxelLabels ? n : static_cast<std::size_t>(VoxelLabel::bone)];
+}
 
 /// Dense fields, as created by phantoms and file readers. All vectors hold dims.x*dims.y*dims.z values, i fastest.
 struct DenseBone {

@@ -28,7 +28,7 @@ std::vector<float> label_factors(const Voxmap& voxmap, const VoxelBox& box, cons
         VoxelLabel label = label_at(v);
         for (const Vec3i& step : {Vec3i(-1, 0, 0), Vec3i(1, 0, 0), Vec3i(0, -1, 0), Vec3i(0, 1, 0), Vec3i(0, 0, -1), Vec3i(0, 0, 1)})
           if (!is_felt(label)) label = label_at(v + step);
-        if (is_felt(label)) out[n] = factors[static_cast<std::size_t>(label)];
+        if (is_felt(label)) out[n] = factor_of(factors, label);
       }
   return out;
 }

@@ -70,6 +70,7 @@ class ScriptedDeviceHand final : public HandSource {
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override;
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
+  void drill_stopped() noexcept BH_REALTIME override { script_.drill_stopped(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
   void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
 

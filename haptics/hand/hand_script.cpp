@@ -45,6 +45,7 @@ Result<HandScript> HandScript::create(const HandScriptConfig& config, double mas
 void HandScript::scene_changed(double softest) noexcept {
   if (std::isfinite(softest) && softest >= 0.0) config_.softest = softest;
   starts_anew_ = true;
+  stopped_ = false;
   drive_changed();
 }
 
@@ -111,6 +112,7 @@ void HandScript::release(double felt, double height) noexcept {
   }
   phase_ = HandPhase::lean;
   lean_tick_ = tick_;
+  stopped_ = false;
   starts_anew_ = true;
   drive_changed();
 }
@@ -151,7 +153,7 @@ void HandScript::lean(double felt, double height, double climb) noexcept {
   goal_.thrust = config_.push * least_jerk(ramp);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
   const bool lost = loses_bone(felt), ahead = runs_ahead(height), none = feels_nothing(felt, height, climb);
-  if (phase_ == HandPhase::lean && (lost || ahead || none)) {
+  if (phase_ == HandPhase::lean && (lost || ahead || none || stopped_)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;
   }

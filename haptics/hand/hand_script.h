@@ -13,6 +13,8 @@
 ///     Feed      The feed over three quarters of the engaged depth, at least 0.15 mm, exceeds `softest` times the usual feed
 ///               (feed_memory.h). This finds an exit at a thin or oblique rim, where bone ends gradually and no force is missing. The rule
 ///               acts at full thrust, while the force rule acts.
+///   A drill with a clutch ([clutch]) stops when its inner tip has no support. The hand feels that as a breakthrough, without any rule:
+///   drill_stopped().
 ///   A bit that is not much wider than the pores of the diploe falls into them as it falls out of bone, and no rule can distinguish the two. So
 ///   the script does what a surgeon does: after the release it checks the hole. If bone has carried the falling thrust and is left ahead of the
 ///   tip, the script leans on the drill again, and the rules start anew. Otherwise it withdraws.
@@ -79,6 +81,8 @@ class HandScript {
     held_ = false;
     feed_.clear();
   }
+  /// To be called when the clutch of the drill has released. While the hand leans on the drill and detects, this is a breakthrough.
+  void drill_stopped() noexcept { stopped_ = phase_ == HandPhase::lean && config_.detects; }
   /// To be called when another tool is held or bone has come back: as drive_changed(), and all rules compare with what the hand feels from now
   /// on. @param softest as in HandScriptConfig, of the present tool; a value that is negative or not finite is ignored.
   void scene_changed(double softest) noexcept;
@@ -115,6 +119,7 @@ class HandScript {
   bool ahead_ = false;              // bone is left ahead of the tip
   bool gave_ = false;               // the release follows a breakthrough detection
   bool carried_ = false;            // during the release bone carries the thrust
+  bool stopped_ = false;            // the clutch has released since the hand leans on the drill
   bool starts_anew_ = false;        // the depth at which bone was felt does not count any more
   std::uint64_t tick_ = 0, lean_tick_ = 0, lowest_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release

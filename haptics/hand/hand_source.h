@@ -51,6 +51,8 @@ class HandSource {
   /// Called between read() and apply() when the commanded spin has changed. The bit is about to engage or disengage, and a script must not
   /// take this for a breakthrough.
   virtual void drive_changed() noexcept BH_REALTIME {}
+  /// Called in the tick in which the clutch of the drill has released: the bit stops under the thrust, and its torque is gone. A hand feels it.
+  virtual void drill_stopped() noexcept BH_REALTIME {}
   /// Called while no clock runs, when another tool is held or bone has come back, as by an undo: the bit engages anew, and a script must not
   /// take this for a breakthrough. @param softest HandScriptConfig::softest of the present tool.
   virtual void scene_changed(double softest) noexcept { static_cast<void>(softest); }

@@ -26,6 +26,7 @@ class SimulatedHand final : public HandSource {
   /// Advances one tick under a wrench in the world frame. It uses the force [N] and ignores the torque.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
+  void drill_stopped() noexcept BH_REALTIME override { script_.drill_stopped(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
   void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
 

@@ -24,6 +24,10 @@ void TakenHand::drive_changed() noexcept {
   if (!taken_) script_.drive_changed();
 }
 
+void TakenHand::drill_stopped() noexcept {
+  if (!taken_) script_.drill_stopped();
+}
+
 void TakenHand::scene_changed(double softest) noexcept {
   if (!taken_) script_.scene_changed(softest);
 }

@@ -17,6 +17,7 @@ class TakenHand final : public HandSource {
   /// Before it advances, the user's hand starts where the script's is, with its speed, thrust and spin.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override;
+  void drill_stopped() noexcept BH_REALTIME override;
   void scene_changed(double softest) noexcept override;
   void bone_ahead(bool left) noexcept BH_REALTIME override;
 

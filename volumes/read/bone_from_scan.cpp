@@ -10,8 +10,10 @@
 #include "core/base/parallel.h"
 #include "core/base/units.h"
 #include "core/voxel/block_store.h"
+#include "volumes/read/label_volume.h"
 #include "volumes/read/memory_check.h"
 #include "volumes/read/resample.h"
+#include "volumes/read/skull_segment.h"
 
 namespace burrhole {
 namespace {
@@ -20,6 +22,7 @@ constexpr std::array<double, 2> kBoneHu{250.0, 400.0};
 constexpr double kMeshHardness = 0.8;  // [-] of a mesh or a fog volume, which have no density: the default of a phantom
 constexpr int kSlab = 8;               // layers per step: the edge of an OpenVDB leaf
 constexpr std::array<double, 2> kOccupancyBand{0.0, 1.0};
+constexpr double kLabelledShare = 1.5;  // [-] of the memory of bone with labels of soft tissue, dura and brain around it
 
 // ---- interpretation of the values ----
 
@@ -247,6 +250,42 @@ double share_near_bone(const Scan& scan, const Rule& rule, const BoneGrid& grid)
   return count * static_cast<double>(kBlockVoxels) / static_cast<double>(VoxelBox{Vec3i(0), grid.dims}.count());
 }
 
+/// Labels of layers and of the user, which replace those of classify().
+struct Labelling {
+  std::optional<SkullSegment> segment;
+  std::shared_ptr<const LabelVolume> user;
+
+  void apply(const VoxelBox& where, const Affine& bone_from_index, DenseBone& out) const {
+    if (!segment && !user) return;
+    for_each_number(where.size().z * where.size().y, [&](int row) {
+      const Vec3i size = where.size();
+      for (int i = 0; i < size.x; ++i) {
+        const std::size_t n = static_cast<std::size_t>(row) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(i);
+        const Vec3 p = bone_from_index * Vec3(where.lo + Vec3i(i, row % size.y, row / size.y));
+        if (segment) out.labels[n] = static_cast<std::uint8_t>(segment->label(p, out.occupancy[n] >= 0.5f));
+        if (const VoxelLabel own = user ? user->at(p) : VoxelLabel::none; own != VoxelLabel::none)
+          out.labels[n] = static_cast<std::uint8_t>(own);
+      }
+    });
+  }
+};
+
+/// Finds the layers, and adds what was found to the report.
+Result<Labelling> make_labelling(const Scan& scan, const BoneOptions& options, const Meaning& meaning, std::vector<std::string>& assumed) {
+  Labelling out;
+  if (options.segment) {
+    if (!meaning.hounsfield)
+      return bad_input("the layers of the skull are found by HU, and these values are not in HU: leave out --segment (layers in a scene)");
+    out.segment = SkullSegment::find(scan, meaning.offset, 0.5 * (meaning.band[0] + meaning.band[1]), *options.segment);
+    assumed.push_back(segment_text(out.segment->facts()));
+  }
+  if (options.labels) {
+    out.user = options.labels;
+    for (const NamedLabel& label : out.user->table) assumed.push_back(note_of(label));
+  }
+  return out;
+}
+
 }  // namespace
 
 double density_of_hounsfield(double hu) noexcept {
@@ -344,6 +383,9 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   const bool given = scan.quantity == Quantity::occupancy;
   const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
   grid->bone_share = share_near_bone(scan, rule, *grid);
+  if (options.segment) grid->bone_share = std::min(1.0, kLabelledShare * grid->bone_share);
+  auto labelling = make_labelling(scan, options, meaning, assumed);
+  if (!labelling) return labelling.error();
   const Result<BoneStorage> storage = place ? place(*grid) : BoneStorage();
   if (!storage) return storage.error();
   auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index, *storage);
@@ -365,6 +407,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     part.hardness.resize(where.count());
     part.labels.resize(where.count());
     classify(slab, rule, part);
+    labelling->apply(where, grid->bone_from_index, part);
     if (const Status added = builder->add(where, part); !added) return added.error();
     if (const auto error = memory_error(static_cast<double>(builder->bytes()), memory)) return Error{ErrorCode::unavailable, *error, {}};
   }
@@ -377,6 +420,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   out.hu_offset = meaning.offset;
   out.hounsfield = meaning.hounsfield;
   out.surface = 0.5 * (rule.band[0] + rule.band[1]) - rule.offset;
+  if (labelling->segment) out.segment = std::make_shared<const SegmentFacts>(labelling->segment->facts());
   out.bone = builder->finish(fmt::format("{}", fmt::join(assumed, "\n")));
   if (const Status read = out.bone->read_status(); !read) return read.error();
   if (out.bone->bone_voxels() > 0) return out;

@@ -39,7 +39,17 @@ struct BoneRegion {
 
 /// Where the options of a bone were given, for the errors that they cause; empty: the error has the path of the scan.
 struct BonePlaces {
-  std::string band, spacing, region;
+  std::string band, spacing, region, labels, label_table;
+};
+
+struct SegmentOptions;  // skull_segment.h
+struct SegmentFacts;    // skull_segment.h
+struct LabelVolume;     // label_volume.h
+
+/// A label volume of the user.
+struct LabelFiles {
+  std::string volume;  ///< path; empty: there is none
+  std::string table;   ///< path of a label description file of ITK-SNAP; empty: names and colours of the volume itself
 };
 
 struct BoneOptions {
@@ -50,6 +60,9 @@ struct BoneOptions {
   std::optional<double> spacing;        ///< [m] isotropic pitch after resampling; absent: the voxels of the scan
   std::optional<BoneRegion> region;     ///< keeps this box only; needs `spacing`
   BonePlaces places{};
+  std::shared_ptr<const SegmentOptions> segment{};  ///< the layers of the skull are labelled; null: bone has one label
+  LabelFiles label_files{};                         ///< read by import_bone() into `labels`
+  std::shared_ptr<const LabelVolume> labels{};      ///< replace the other labels where they are not 0; null: there are none
 };
 
 /// @returns the CT density [kg/m3] of [k-Wave], >= 0: four linear parts in h = HU + 1000.
@@ -83,11 +96,12 @@ using ChooseStorage = std::function<Result<BoneStorage>(const BoneGrid&)>;
 
 struct BoneFromScan {
   std::shared_ptr<const BoneModel> bone;
-  bool has_values = false;                  ///< the values are densities, not occupancy
-  double value_min = 0.0, value_max = 0.0;  ///< [HU] or [unit of the file] range of the scan, offset applied
-  double hu_offset = 0.0;                   ///< [HU] offset that was applied
-  bool hounsfield = false;                  ///< the values are interpreted as HU
-  double surface = 0.5;                     ///< [unit of the scan's values] from which a voxel is bone: the middle of the band
+  bool has_values = false;                        ///< the values are densities, not occupancy
+  double value_min = 0.0, value_max = 0.0;        ///< [HU] or [unit of the file] range of the scan, offset applied
+  double hu_offset = 0.0;                         ///< [HU] offset that was applied
+  bool hounsfield = false;                        ///< the values are interpreted as HU
+  double surface = 0.5;                           ///< [unit of the scan's values] from which a voxel is bone: the middle of the band
+  std::shared_ptr<const SegmentFacts> segment{};  ///< what was found of the layers, if they were asked for
 };
 
 /// @returns the memory [bytes] that make_bone() needs in addition to the scan and the bone: slabs of the grid, and refined slices. It reads no

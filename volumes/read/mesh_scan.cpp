@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/units.h"
+#include "core/tool/join_rounded.h"
 #include "volumes/read/byte_stream.h"
 #include "volumes/read/memory_check.h"
 #include "volumes/read/mesh_file.h"
@@ -84,8 +85,9 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& give
   ReadOptions options = given;
   if (!options.unit) options.unit = own_unit(path);
   if (const Status usable = check_options(options, path); !usable) return usable.error();
-  const Result<SurfaceMesh> mesh = read_mesh(path, *options.unit);
+  Result<SurfaceMesh> mesh = read_mesh(path, *options.unit);
   if (!mesh) return mesh.error();
+  const RoundingJoin join = join_rounded(*mesh);
   if (const auto error = mesh_error(*mesh)) return bad_input(*error, path);
   const MeshSize size = size_of(*mesh);
   const double pitch = options.pitch.value_or(size.longest / kDefaultVoxels);
@@ -100,6 +102,7 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& give
   out.report.assumed.push_back(fmt::format("one unit of the file is {:g} mm{}: the mesh is {}", *options.unit * 1e3,
                                            given.unit ? "" : ", by its header, which burrhole has written", size_text(size.size)));
   if (!options.pitch) out.report.assumed.push_back(fmt::format("pitch {:.4g} mm: longest side / {:g}", pitch * 1e3, kDefaultVoxels));
+  if (join.joined > 0) out.report.assumed.push_back(join.text());
   const MeshCheck check = check_mesh(*mesh);
   out.report.assumed.push_back(
       fmt::format("solid within {} closed surface{}, {:.4g} cm3", check.parts, check.parts == 1 ? "" : "s", check.volume * 1e6));

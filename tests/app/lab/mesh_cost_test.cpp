@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "app/lab/local_net.h"
 #include "app/lab/mesh_bodies.h"
 #include "app/lab/vdb_mesher.h"
@@ -137,6 +139,40 @@ TEST_CASE("mesh cost: all methods of a body and of a model are reported; pivotin
   CHECK(cost->models[0].touched > 500.0);
   for (const MeshTime& time : cost->models[0].methods) CHECK((time.update_ms > 0.0 && time.update_ms <= time.p99_ms && time.bytes > 0.0));
   CHECK(mesh_cost_rows(*cost).size() == kMeshKinds * 12 + kMeshMethods.size());
+}
+
+TEST_CASE("mesh cost: the JSON has the rows of cost.csv and the bounds, and says when one fails") {
+  MeshCost cost = cost_with(1.0, 100.0, 1.0);
+  MeshQuality& quality = cost.qualities.emplace_back();
+  quality.body = "ball";
+  quality.kind = MeshKind::contours;
+  quality.shape.triangles = 12;
+  const auto rows = mesh_cost_rows(cost);
+  const auto json = nlohmann::json::parse(mesh_cost_json(cost));
+  CHECK(json["schema"] == "burrhole.cost_mesh/1");
+  CHECK(json["failed"] == false);
+  REQUIRE(json["rows"].size() == rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const auto& row = json["rows"][n];
+    CHECK(row.size() == 11);
+    CHECK(row["subject"] == rows[n].subject);
+    CHECK(row["model"] == rows[n].model);
+    CHECK(row["setting"] == rows[n].setting);
+    CHECK(row["error_name"] == rows[n].error_name);
+    CHECK(row["error"] == rows[n].error);
+    CHECK(row["bytes"].is_null() == std::isnan(rows[n].bytes));
+  }
+  const auto bounds = mesh_bounds(cost);
+  REQUIRE(json["bounds"].size() == bounds.size());
+  for (std::size_t n = 0; n < bounds.size(); ++n) {
+    CHECK(json["bounds"][n]["ratio"] == bounds[n].name);
+    CHECK(json["bounds"][n]["value"] == bounds[n].value);
+    CHECK(json["bounds"][n]["pass"] == true);
+  }
+  const auto bad = nlohmann::json::parse(mesh_cost_json(cost_with(10.0, 100.0, 10.0)));
+  CHECK(bad["failed"] == true);
+  CHECK(std::ranges::any_of(bad["bounds"], [](const auto& bound) { return bound["pass"] == false; }));
+  CHECK(nlohmann::json::parse(mesh_cost_json(MeshCost{}))["bounds"].empty());
 }
 
 TEST_CASE("mesh cost: each bound fails alone when its ratio is beyond it") {

@@ -145,6 +145,22 @@ TEST_CASE("sliding: the mesh is steady on a plate of any tilt") {
   CHECK(judged == 8);
 }
 
+TEST_CASE("sliding: the constrained tool of the mesh is steady on a plate of any tilt, and carries what the true force is") {
+  // As for the deepest point; in series with the spring of 2000 N/m bone of 20e6 N/m takes 1e-4 of the force, and the planes have a
+  // tolerance of 0.002 voxel, 1 um.
+  constexpr double kSteady = 2000.0 * (3e-9 + 7e-5 * 0.5e-3 + 7e-5 * 0.7e-3 + 1e-6);
+  int judged = 0;
+  for (const SlidingRow& row : quick_rows()) {
+    if (row.model != "mesh, held") continue;
+    ++judged;
+    CAPTURE(row.tilt_deg);
+    CAPTURE(row.depth_voxel);
+    CHECK(row.largest_step_N <= 2.0 * kSteady);
+    CHECK(std::abs(row.mean_N / row.true_N - 1.0) < 1e-3 + 1e-6 * 2000.0 / row.true_N);
+  }
+  CHECK(judged == 8);
+}
+
 TEST_CASE("sliding: the original voxmap steps at voxel boundaries even on a level plate") {
   std::map<std::string, int> judged;
   for (const SlidingRow& row : quick_rows()) {

@@ -78,6 +78,38 @@ TEST_CASE("stability: each sabotage is caught by the measure that it names") {
   }
 }
 
+TEST_CASE("stability: of each form of the mesh every kind of sabotage is caught, where the form keeps the bound without it") {
+  for (const std::string name : {"mesh", "mesh, tool at the hand"}) {
+    CAPTURE(name);
+    const auto model = std::ranges::find(stability_models(), name, &StabilityModel::name);
+    REQUIRE(model != stability_models().end());
+    std::set<std::string> kinds, caught;
+    for (const StabilityCase& one : stability_cases()) {
+      const std::string& kind = one.sabotage.what;
+      if (kind.empty() || one.ticks > 0) continue;
+      kinds.insert(kind);
+      if (caught.contains(kind)) continue;  // the first case that shows it is enough
+      CAPTURE(one.name);
+      const StabilityOutcome whole = run_stability_case(one, *model, false);
+      CHECK(whole.error == "");
+      // A check may be one of the default model alone, and a bound that the form exceeds by itself shows nothing.
+      const auto row = std::ranges::find(whole.rows, name_of(one.sabotage.must_fail), &StabilityRow::measure);
+      if (row == whole.rows.end() || fails(whole, one.sabotage.must_fail)) continue;
+      const StabilityOutcome sabotaged = run_stability_case(one, *model, true);
+      CHECK(sabotaged.error == "");
+      CHECK(fails(sabotaged, one.sabotage.must_fail));
+      caught.insert(kind);
+    }
+    // The mesh knows a tool by its shell points in any case.
+    kinds.erase("contact knows the tool by its shell points only");
+    for (const std::string& kind : kinds) {
+      CAPTURE(kind);
+      CHECK(caught.contains(kind));
+    }
+    CHECK(kinds.size() > 6);
+  }
+}
+
 TEST_CASE("stability: the cases are what they say") {
   // Each is on bone when it says so: forces at rest of at least half a newton; on the edge the ball slips aside and rests lower.
   for (const std::string name :

@@ -178,6 +178,11 @@ TEST_CASE("real time: zones with guidance, and the dura") {
       load_text(scene_text(scene) + "\n[zones]\n[zones.guidance]\nstart_mm = 6\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", scene.sets)));
 }
 
+TEST_CASE("real time: a perforator whose clutch engages") {
+  check_clean(
+      drive(load_small(pressed(kHeldKeys, {"tool.name=\"perforator_14_11\"", "clutch.engage_N=5", "friction.static_coefficient=0.4"}))));
+}
+
 TEST_CASE("real time: every limit of the servo") {
   covers("haptics/servo/energy_observer.h: operator()", "haptics/servo/energy_observer.h: damping_force",
          "haptics/servo/swing_detector.h: operator()", "haptics/servo/force_limits.h: shortened",
@@ -195,7 +200,9 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/hand/goal_hand.h: read", "haptics/hand/goal_hand.h: apply", "haptics/hand/goal_hand.h: start_from",
          "haptics/hand/taken_hand.h: read", "haptics/hand/taken_hand.h: apply", "haptics/hand/taken_hand.h: drive_changed",
          "haptics/device/device_hand.h: bone_ahead", "haptics/hand/hand_source.h: bone_ahead", "haptics/hand/simulated_hand.h: bone_ahead",
-         "haptics/hand/taken_hand.h: bone_ahead");
+         "haptics/hand/taken_hand.h: bone_ahead", "haptics/device/device_hand.h: drill_stopped",
+         "haptics/hand/hand_source.h: drill_stopped", "haptics/hand/simulated_hand.h: drill_stopped",
+         "haptics/hand/taken_hand.h: drill_stopped");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -224,6 +231,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       if (n == 50) takers.publish({.spins = true, .takes_over = true});
       static_cast<void>(taken->read());
       taken->drive_changed();
+      taken->drill_stopped();
       taken->bone_ahead(n % 2 == 0);
       taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
@@ -234,6 +242,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       bench->apply({Vec3(0.0, 0.0, n > 20 && n < 40 ? 1.5 : 0.0), Vec3(0.0)});
       for (HandSource* source : {static_cast<HandSource*>(&*hand), static_cast<HandSource*>(&*script), static_cast<HandSource*>(&*alone)}) {
         source->drive_changed();
+        source->drill_stopped();
         source->bone_ahead(n % 2 == 0);
       }
     }

@@ -211,7 +211,7 @@ TEST_CASE("reference: a key of some branches says which") {
   CHECK(condition(scene, "contact", "storage") == "only with `model` = `gradient-plane`");
   CHECK(condition(scene, "contact", "mass_kg") == "only with `coupling` = `virtual`");
   CHECK(condition(scene, "contact", "rate_hz") == "");
-  CHECK(condition(scene, "erosion", "cutting_ratio") == "only with `law` = `energy`");
+  CHECK(condition(scene, "erosion", "cutting_ratio") == "only with `law` = `energy`, `progressive`");
   CHECK(condition(scene, "erosion", "subvoxel") == "only with `law` = `energy`, `rate`");
   CHECK(condition(scene, "spindle", "stall_torque_Nm") == "");
   CHECK(condition(tool, "region[]", "top_diameter_mm") == "only with `shape` = `frustum`");

@@ -55,6 +55,22 @@ TEST_CASE("panel: the layer under the tip is that of the cutting front") {
   CHECK(layer_under_tip(plan(), through) == "air, 50.0 mm above the bone");
 }
 
+TEST_CASE("panel: the drive shows its speed, or that the clutch has released the drill") {
+  WindowPlan with_speed = plan();
+  with_speed.spin_rpm = 1000.0;
+  LiveState live = at(1e-3, 1e-3);
+  live.hand.spin = 0.0;
+  CHECK(drive_text(with_speed, live) == "off");
+  live.hand.spin = 1.0;
+  CHECK(drive_text(with_speed, live) == "1000 rpm");
+  live.driven = true;
+  CHECK(drive_text(with_speed, live) == "1000 rpm");
+  live.driven = false;
+  CHECK(drive_text(with_speed, live) == "clutch open");
+  live.hand.spin = 0.0;
+  CHECK(drive_text(with_speed, live) == "off");
+}
+
 TEST_CASE("panel: bone left falls with the cutting front, never below nothing") {
   CHECK(bone_left(skull(), at(0.0, -1e-3).progress) == doctest::Approx(6e-3));
   CHECK(bone_left(skull(), at(4.5e-3, 4e-3).progress) == doctest::Approx(1.5e-3));

@@ -236,6 +236,30 @@ TEST_CASE("mesh tool file: unit, turn and shift bring a file to its tip") {
   CHECK(glm::length(low) < 1e-15);
 }
 
+TEST_CASE("mesh tool file: a gap of a rounding is closed and named") {
+  SurfaceMesh ball = sphere_mesh({0, 0, 2}, 2, 2);
+  const auto repair = [](const SurfaceMesh& mesh) {
+    const auto document = TomlDocument::parse(kFile, "bits/bit.toml");
+    Issues issues;
+    const auto read = [&](const std::string&, double unit) {
+      Result<SurfaceMesh> scaled = mesh;
+      for (Vec3& p : scaled->positions) p *= unit;
+      return scaled;
+    };
+    const ToolOptions options{.erosion_pitch = 0.25 * kMm, .read_mesh = read};
+    REQUIRE(make_tool(*document, options, issues));
+    return find_tool_repair(*document, options);
+  };
+  CHECK(repair(ball) == "");
+  ball.positions.push_back(ball.positions[ball.indices[0]] + Vec3(-2.9e-16, 0.0, 0.0));
+  ball.indices[0] = static_cast<std::uint32_t>(ball.positions.size() - 1);
+  CHECK(repair(ball) ==
+        "mesh.file = \"burr.stl\": 1 vertex of an open edge lies within 9.5e-07 mm of another, a rounding of 32-bit coordinates: joined");
+  // Sabotage: a gap of ten times that is an opening.
+  ball.positions.back().x -= 1e-5;
+  CHECK(faults(kFile, ball).at(0).find("is not a solid, open: 4 edges without a neighbour") != std::string::npos);
+}
+
 TEST_CASE("mesh tool file: errors are reported with their line and column") {
   SurfaceMesh ball = sphere_mesh({0, 0, 2}, 2, 2);
   CHECK(faults(kFile, ball) == Lines{});

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "core/base/random.h"
+#include "core/tool/join_rounded.h"
 #include "tests/support/mesh_samples.h"
 
 using namespace burrhole;
@@ -109,4 +111,61 @@ TEST_CASE("mesh_error: broken lists are errors, not crashes") {
   CHECK(fault_of({{{0, 0, 0}}, {0, 0}}) == "an index list whose length is not a multiple of three");
   CHECK(fault_of({{{0, 0, 0}}, {0, 0, 7}}) == "index 7 into 1 vertices");
   CHECK(fault_of({{{0, 0, std::numeric_limits<double>::quiet_NaN()}}, {0, 0, 0}}) == "a vertex that is not finite");
+}
+
+TEST_CASE("join_rounded: copies of a vertex that differ by roundings close, and no vertex moves farther than the tolerance") {
+  const SurfaceMesh sphere = sphere_mesh({0.03, -0.01, 0.002}, 0.01, 4);
+  const double tolerance = 0.04 * 0x1p-22;  // the largest coordinate is that of the pole at x = 0.04, within 1 %
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SurfaceMesh noisy = as_soup(sphere);
+    std::uint64_t n = 0;
+    for (Vec3& p : noisy.positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] += 0.25 * tolerance * uniform11(seed, n++);
+    // Sabotage: without the join every edge is open.
+    CHECK(check_mesh(noisy).open_edges > sphere.indices.size() / 2);
+    const SurfaceMesh before = noisy;
+    const RoundingJoin join = join_rounded(noisy);
+    CHECK(fault_of(noisy) == "");
+    CHECK(noisy.positions.size() == sphere.positions.size());
+    CHECK(join.joined == before.positions.size() - sphere.positions.size());
+    CHECK(std::abs(join.tolerance / tolerance - 1.0) < 0.01);
+    double most = 0.0;
+    for (std::size_t i = 0; i < before.indices.size(); ++i)
+      most = std::max(most, glm::distance(noisy.positions[noisy.indices[i]], before.positions[before.indices[i]]));
+    CHECK((most > 0.0 && most <= join.tolerance));
+  }
+}
+
+TEST_CASE("join_rounded: zero and -2.9e-16 are one place; gaps beyond the tolerance stay open, and a closed mesh stays as it is") {
+  SurfaceMesh box = box_mesh({0.01, 0.02, 0.03}, {Quat(0.0, 0.0, 0.0, 1.0), {0.01, 0.0, 0.0}}), gap = box;
+  // One triangle has copies of its corners, moved along x.
+  const auto move_copies = [](SurfaceMesh& mesh, double by) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      mesh.positions.push_back(mesh.positions[mesh.indices[i]] + Vec3(by, 0.0, 0.0));
+      mesh.indices[i] = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    }
+  };
+  move_copies(gap, -2.9e-16);
+  CHECK(check_mesh(gap).open_edges == 6);
+  RoundingJoin join = join_rounded(gap);
+  CHECK(join.joined == 3);
+  CHECK(join.text() == "3 vertices of open edges lie within 7.2e-06 mm of another, a rounding of 32-bit coordinates: joined");
+  CHECK(fault_of(gap) == "");
+  // Sabotage: farther than the tolerance, 2^-22 of 30 mm.
+  gap = box;
+  move_copies(gap, -1.01 * 0.03 * 0x1p-22);
+  CHECK(join_rounded(gap).joined == 0);
+  CHECK(check_mesh(gap).open_edges == 6);
+  gap = box;
+  move_copies(gap, -0.99 * 0.03 * 0x1p-22);
+  CHECK(join_rounded(gap).joined == 3);
+  CHECK(fault_of(gap) == "");
+  // Closed parts that nearly touch, and vertices within the tolerance in a closed surface.
+  SurfaceMesh closed = joined(kBox, box_mesh({0.01, 0.02, 0.03}, {Quat(0.0, 0.0, 0.0, 1.0), {0.02 + 1e-12, 0.0, 0.0}}));
+  const SurfaceMesh same = closed;
+  CHECK(join_rounded(closed).joined == 0);
+  CHECK(closed.positions == same.positions);
+  CHECK(closed.indices == same.indices);
+  SurfaceMesh nothing{{Vec3(0.0), Vec3(0.0)}, {0, 1, 0}};
+  CHECK(join_rounded(nothing).joined == 0);
 }

@@ -412,6 +412,30 @@ TEST_CASE("SimulatedHand: the script runs in the approach frame, a turned and mo
   CHECK(worst < 1e-12);
 }
 
+TEST_CASE("SimulatedHand: a drill that stops under the thrust is a breakthrough, once, and only while the hand leans on it and detects") {
+  const auto drill = [](HandConfig config, std::uint64_t stops) {
+    SimulatedHand hand = make(config);
+    const Wall wall{.opens = 100'000};
+    std::vector<HandState> states{hand.read()};
+    for (std::uint64_t n = 0; n < 9000; ++n) {
+      if (n == stops) hand.drill_stopped();
+      hand.apply({wall.force(states.back()), Vec3(0.0)});
+      states.push_back(hand.read());
+    }
+    return states;
+  };
+  HandConfig config;
+  const auto stopped = drill(config, 4000);
+  const std::uint64_t felt = first_in(stopped, HandPhase::give_felt), lets_go = first_in(stopped, HandPhase::release);
+  CHECK(felt == 4001);
+  CHECK(std::abs(static_cast<double>(lets_go - felt) - config.reaction / kPeriod) <= 1.0);
+  CHECK(stopped.back().phase == HandPhase::done);
+  for (const auto& states : {drill(config, 100), drill(config, 100'000)})  // on the way to bone; never
+    CHECK(first_in(states, HandPhase::give_felt) == 0);
+  config.detects = false;
+  CHECK(first_in(drill(config, 4000), HandPhase::give_felt) == 0);
+}
+
 TEST_CASE("SimulatedHand: create refuses script values that are negative or not finite, and the body's own") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto refuses = [](const HandConfig& config, double period = kPeriod) {

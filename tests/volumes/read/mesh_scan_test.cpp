@@ -354,6 +354,34 @@ TEST_CASE("read_mesh_scan: triangles without area and doubled vertices are repai
   CHECK(!read_mesh_scan(path_of(flat), options(kMm, 1 * kMm)).ok());
 }
 
+TEST_CASE("read_mesh_scan: vertices that differ by a rounding are joined by name") {
+  const TemporaryFolder folder;
+  const SurfaceMesh box = box_mesh({10 * kMm, 10 * kMm, 10 * kMm}, {Quat(0.0, 0.0, 0.0, 1.0), {10 * kMm, 0.0, 0.0}});
+  const auto path_of = [&](double by) {  // one triangle has copies of its corners, moved along x
+    SurfaceMesh mesh = box;
+    for (std::size_t i = 0; i < 3; ++i) {
+      mesh.positions.push_back(mesh.positions[mesh.indices[i]] + Vec3(by, 0.0, 0.0));
+      mesh.indices[i] = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    }
+    return write_mesh(folder.file("mesh"), mesh, MeshForm::stl_text);
+  };
+  const auto whole = read_mesh_scan(write_mesh(folder.file("whole"), box, MeshForm::stl_text), options(kMm, 1 * kMm));
+  const auto read = read_mesh_scan(path_of(-2.9e-16 * kMm), options(kMm, 1 * kMm));
+  REQUIRE(whole.ok());
+  REQUIRE_MESSAGE(read.ok(), (read ? "" : read.error().text()));
+  REQUIRE(read->report.assumed.size() >= 2);
+  CHECK(read->report.assumed[read->report.assumed.size() - 2] ==
+        "1 vertex of an open edge lies within 4.8e-06 mm of another, a rounding of 32-bit coordinates: joined");
+  CHECK(read->report.assumed.size() == whole->report.assumed.size() + 1);
+  CHECK(read->scan.dims == whole->scan.dims);
+  double most = 0.0;
+  for_each_voxel({Vec3i(0), read->scan.dims},
+                 [&](const Vec3i& v) { most = std::max(most, static_cast<double>(std::abs(at(read->scan, v) - at(whole->scan, v)))); });
+  CHECK(most < 1e-5);  // a shift of 4.8 nm in a ramp of 2 mm
+  // Sabotage: a gap of a hundredth of a millimetre is an opening.
+  CHECK(refusal(path_of(-0.01 * kMm), options(kMm, 1 * kMm)).starts_with("open: 6 edges without a neighbour in 2 holes"));
+}
+
 TEST_CASE("read_mesh_scan: real bones keep their volume") {
   const std::string data = real_data("meshes").string();
   for (const auto& [file, unit] : {std::pair{"skull.obj", 0.01}, std::pair{"footbones.ply", 0.0254}, std::pair{"apple.stl", 1.0}}) {
