@@ -12,6 +12,7 @@
 #include "app/stage/zone_state.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
+#include "core/voxel/label_table.h"
 #include "core/zone/distance_field.h"
 #include "haptics/servo/virtual_fixture.h"
 
@@ -29,6 +30,7 @@ struct ZoneTube {
 struct ZoneSpec {
   std::string name = "dura";
   VoxelLabel label = VoxelLabel::dura;  ///< without a tube
+  std::string user_label{};             ///< in place of label, if it is not empty
   std::optional<ZoneTube> tube{};
   std::string place{};
 };
@@ -99,7 +101,7 @@ class ZonesEffect final : public Effect {
     out.add("warnings", warnings_);
     out.add("unknown_s", unknown_);
     if (!fixture_) return;
-    const FixtureFigures& f = fixture_->figures();
+    const PassiveForceFigures& f = fixture_->figures();
     out.add("guidance_peak_N", f.peak);
     out.add("guidance_given_mJ", f.most_given * 1e3);
     out.add("guidance_limited_ticks", f.limited);
@@ -218,11 +220,15 @@ ZoneSpec read_zone(TableReader& table) {
   const auto from = table.optional_numbers("from_mm", 3, length, "start of a tube, such as a venous sinus, bone frame; in place of label");
   if (!from) {
     out.label = read_label(table);
-    if (table.has("label")) out.place = table.place_of("label");
+    out.user_label = table.text("user_label", "", "name of a label of the user, in place of label");
+    if (!out.user_label.empty() && table.has("label")) table.fault("user_label", "is not valid with label: a zone has one tissue");
+    for (const char* const key : {"label", "user_label"})
+      if (table.has(key)) out.place = table.place_of(key);
     for (const char* const key : {"to_mm", "radius_mm"})
       if (table.has(key)) table.fault(key, "needs from_mm");
   } else {
-    if (table.has("label")) table.fault("label", "is not valid with from_mm: a zone is a tissue or a tube");
+    for (const char* const key : {"label", "user_label"})
+      if (table.has(key)) table.fault(key, "is not valid with from_mm: a zone is a tissue or a tube");
     const Vec3 to = table.vector("to_mm", std::nullopt, length, "end of the tube, bone frame; only with from_mm");
     const double radius = table.number("radius_mm", {.min = 0.0, .max = 100.0, .min_open = true, .to_si = kMillimetre},
                                        "radius of the tube; only with from_mm");
@@ -242,10 +248,10 @@ FixtureConfig read_guidance(TableReader table) {
                            "force over the speed of the hand towards the zone (an assumption)");
   c.largest =
       table.number("largest_N", above_zero(c.largest, 1.0, 1e3), "largest force on the hand; that of a small device (an assumption)");
-  c.allowance = table.number("allowance_mJ", above_zero(c.allowance * 1e3, 1e-3, 1e3),
-                             "energy that the guidance may give to the hand at most, over any motion (an assumption)");
-  c.acceleration = table.number("acceleration_m_per_s2", above_zero(c.acceleration, 1.0, 1e5),
-                                "largest acceleration of the hand for which that holds (an assumption)");
+  c.limit.allowance = table.number("allowance_mJ", above_zero(c.limit.allowance * 1e3, 1e-3, 1e3),
+                                   "energy that the guidance may give to the hand at most, over any motion (an assumption)");
+  c.limit.acceleration = table.number("acceleration_m_per_s2", above_zero(c.limit.acceleration, 1.0, 1e5),
+                                      "largest acceleration of the hand for which that holds (an assumption)");
   table.finish();
   return c;
 }
@@ -329,6 +335,20 @@ class ZonesPlan final : public ConfigPlan<ZonesPlan, ZonesScene> {
     return {floor_int(lo), floor_int(hi) + 2};
   }
 
+  /// @returns the label of a zone; bad_input if the volume has no label of that name.
+  static Result<VoxelLabel> label_of(const BoneModel& bone, const ZoneSpec& spec) {
+    if (spec.user_label.empty()) return spec.label;
+    std::string known;
+    for (const NamedLabel& one : labels_of(bone.notes())) {
+      if (one.name == spec.user_label) return one.label;
+      known += (known.empty() ? "" : ", ") + one.name;
+    }
+    return Error{ErrorCode::bad_input,
+                 fmt::format("the volume has no label \"{}\" of the user; {}", spec.user_label,
+                             known.empty() ? std::string("it has none: give label volumes with volume.labels") : "it has: " + known),
+                 spec.place};
+  }
+
   Result<DistanceField> field_of(Stage& stage, const ZoneSpec& spec) const {
     const BoneModel& bone = stage.voxmap->bone();
     const Affine& frame = bone.bone_from_index();
@@ -336,6 +356,8 @@ class ZonesPlan final : public ConfigPlan<ZonesPlan, ZonesScene> {
       if (std::abs(glm::dot(glm::normalize(frame.linear[a]), glm::normalize(frame.linear[(a + 1) % 3]))) > kMostTilt)
         return Error{ErrorCode::bad_input, "[zones] needs voxels with perpendicular edges: set volume.spacing_mm to resample the scan",
                      config_.place};
+    const auto label = label_of(bone, spec);
+    if (!label) return label.error();
     const BoneShape shape{.dims = bone.dims(), .bone_from_index = frame, .thickness = stage.approach.thickness};
     const VoxelBox domain = domain_of(drilling_way(stage.config, shape), frame, stage.config.hand.standoff);
     const auto members = [&](const VoxelBox& box, std::span<std::uint8_t> inside) {
@@ -345,7 +367,7 @@ class ZonesPlan final : public ConfigPlan<ZonesPlan, ZonesScene> {
       bone.read_labels(known, labels);
       std::size_t n = 0;
       for_each_voxel(box, [&](const Vec3i& v) {
-        inside[n++] = belongs(spec.label, labels[known.offset_of(glm::clamp(v, known.lo, known.hi - 1))]) ? 1 : 0;
+        inside[n++] = belongs(*label, labels[known.offset_of(glm::clamp(v, known.lo, known.hi - 1))]) ? 1 : 0;
       });
     };
     auto field = DistanceField::create(domain, edges_of(frame), config_.reach, members);

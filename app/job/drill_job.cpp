@@ -109,9 +109,10 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   }
   std::ranges::sort(r.layers, {}, &DrillReport::Layer::from_mm);
   for (const RunEvent& event : simulation.events())
-    r.events.push_back({event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" || event.kind == "zone"
-                                        ? event.kind + ": " + event.text
-                                        : event.kind});
+    r.events.push_back(
+        {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" || event.kind == "zone" || event.kind == "dura"
+                         ? event.kind + ": " + event.text
+                         : event.kind});
   r.setting = setting_of(loaded.scene, summary.by_user);
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;

@@ -25,7 +25,7 @@ struct StepPrice {
 /// How near the tip is to the zones of [zones].
 struct ZoneReading {
   double distance = 0.0;  ///< [m] negative inside
-  double level = 0.0;     ///< kZoneClear, kZoneNear or kZoneInside of zone_state.h
+  double level = 0.0;     ///< [-] kZoneClear, kZoneNear or kZoneInside of zone_state.h
 };
 
 /// What a person can see and feel of a live run.

@@ -14,7 +14,7 @@ struct ZoneState {
   double distance = 0.0;  ///< [m] of the tip from the nearest zone, negative inside; at most the scene's reach
   Vec3 away{0.0};         ///< [-] unit, away from that zone; 0: not known, or beyond the reach
   double nearness = 0.0;  ///< [-] 0: no warning; above 0 at the distance of the warning, 1 at the zone and inside
-  double level = 0.0;     ///< kZoneClear, kZoneNear or kZoneInside
+  double level = 0.0;     ///< [-] kZoneClear, kZoneNear or kZoneInside
   double tone = 0.0;      ///< [-] amplitude of the warning's tone
 };
 

@@ -25,7 +25,7 @@ class SheetLattice {
   /// A point in a triangle of the lattice: three nodes and their weights.
   struct Place {
     std::array<std::uint32_t, 3> nodes{};
-    std::array<double, 3> weights{};
+    std::array<double, 3> weights{};  ///< [-]
   };
 
   /// @param has whether the sheet has a node at a place; null: everywhere. out_of_range: radius or spacing not finite or above 0, less than

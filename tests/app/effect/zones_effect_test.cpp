@@ -10,6 +10,7 @@
 
 #include "app/stage/zone_state.h"
 #include "core/measure/approach.h"
+#include "core/voxel/label_table.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -166,6 +167,42 @@ TEST_CASE("zones: a sinus as a tube is measured without a voxel, with the bone's
   CHECK(zone->distance == doctest::Approx(figure(both.simulation(), "zones", "closest_sinus_mm") * 1e-3).epsilon(1e-3));
   CHECK(figure(both.simulation(), "zones", "closest_below_mm") > 3.0);
   CHECK(zone->away.x > 0.3);
+}
+
+TEST_CASE("zones: a label of the user is a zone by its name, and one that the volume lacks is refused") {
+  LoadedScene loaded =
+      scene_of(free_scene({"duration_s=0.1"}), "[zones]\n[[zones.zone]]\nname = \"mine\"\nuser_label = \"Sagittal sinus\"\n");
+  const BoneModel& from = *loaded.bone;
+  DenseBone dense{
+      .dims = from.dims(), .bone_from_index = from.bone_from_index(), .occupancy = {}, .hardness = {}, .soft = {}, .labels = {}};
+  std::vector<float> labels(from.bounds().count());
+  for (std::vector<float>* field : {&dense.occupancy, &dense.hardness, &dense.soft}) field->resize(labels.size());
+  from.read_occupancy(from.bounds(), dense.occupancy);
+  from.read_hardness(from.bounds(), dense.hardness);
+  from.read_soft(from.bounds(), dense.soft);
+  from.read_labels(from.bounds(), labels);
+  for (const float label : labels)
+    dense.labels.push_back(label == static_cast<float>(VoxelLabel::brain) ? std::uint8_t{17} : static_cast<std::uint8_t>(label));
+  const auto rebuilt = [&](const std::string& notes) {
+    auto builder = BoneModelBuilder::create(dense.dims, dense.bone_from_index);
+    REQUIRE(builder);
+    REQUIRE(builder->add(from.bounds(), dense));
+    return builder->finish(notes);
+  };
+  GivenHand hand([](std::uint64_t) { return place(Vec3(0.0, 0.0, -2e-3)); });
+  SimulationOptions options;
+  options.hand = &hand;
+  Issues issues;
+  const auto named = rebuilt(note_of({static_cast<VoxelLabel>(17), "Sagittal sinus", {}}) + "\n");
+  auto made = Simulation::create(loaded.scene, named, loaded.tool, options, issues);
+  REQUIRE_MESSAGE(made != nullptr, (issues.empty() ? "" : issues.front().text()));
+  REQUIRE(made->run());
+  // 3 mm of bone and 0.5 mm of dura below the tip.
+  CHECK(std::abs(figure(*made, "zones", "closest_mine_mm") - 3.5) < std::sqrt(3.0) * 0.25);
+  CHECK(Simulation::create(loaded.scene, rebuilt({}), loaded.tool, options, issues) == nullptr);
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().message.find("no label \"Sagittal sinus\"") != std::string::npos);
+  CHECK(issues.front().place.find("small.toml:") == 0);
 }
 
 TEST_CASE("zones: with a bone that is moved, distance and direction move with it") {

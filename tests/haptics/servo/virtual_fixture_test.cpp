@@ -104,7 +104,7 @@ Walk walked(const FixtureConfig& config, double dt, int late, const Way& way, bo
 }  // namespace
 
 TEST_CASE("virtual fixture: over random closed motions it does no more work on the hand than its allowance, at 1 to 100 ms") {
-  // The bound is A itself: E_(k+1) >= E_k - f_k s >= -A (virtual_fixture.h), and rounding: 8000 products of at most 8 N and a few m, each to
+  // The bound is A itself: E_(k+1) >= E_k - f_k s >= -A (passive_force.h), and rounding: 8000 products of at most 8 N and a few m, each to
   // 2^-53: below 1e-11 J. It holds on the way too, so it is compared there.
   FixtureConfig config;
   double worst = -1.0, worst_penalty = 0.0;
@@ -117,19 +117,19 @@ TEST_CASE("virtual fixture: over random closed motions it does no more work on t
           CAPTURE(late);
           CAPTURE(seed);
           std::mt19937 random(seed);
-          const double most = config.acceleration * dt * dt;
+          const double most = config.limit.acceleration * dt * dt;
           for (const Way& way : {there_and_back(most, random), loop(most, random)}) {
             REQUIRE(glm::length(way.back() - way.front()) < 1e-12);
             const Walk walk = walked(config, dt, late, way, ball);
-            CHECK(walk.most <= config.allowance + 1e-11);
-            CHECK(walk.fixture <= config.allowance + 1e-11);
+            CHECK(walk.most <= config.limit.allowance + 1e-11);
+            CHECK(walk.fixture <= config.limit.allowance + 1e-11);
             worst = std::max(worst, walk.fixture);
             worst_penalty = std::max(worst_penalty, walk.penalty);
           }
         }
   // The sabotage: a penalty without the observer gives energy over the same motions.
   MESSAGE("largest work " << worst << " J; of a penalty without the observer " << worst_penalty << " J");
-  CHECK(worst_penalty > 100.0 * config.allowance);
+  CHECK(worst_penalty > 100.0 * config.limit.allowance);
 }
 
 TEST_CASE("virtual fixture: a slow press meets K p and gets at most the allowance back, and a fixture that is left takes up its damping") {
@@ -166,7 +166,7 @@ TEST_CASE("virtual fixture: a jump may take more than the allowance once; then i
   REQUIRE(fixture.figures().jumps == 0);
   (void)fixture(Vec3(0.0, 0.0, 0.2), 0.2e-3, up, 1e-3);  // 0.2 m in a tick, and the depth is old
   CHECK(fixture.figures().jumps == 1);
-  CHECK(fixture.figures().taken < -config.allowance);
+  CHECK(fixture.figures().taken < -config.limit.allowance);
   CHECK(fixture(Vec3(0.0, 0.0, 0.2), 0.1e-3, up, 1e-3) == Vec3(0.0));
   CHECK(fixture(Vec3(0.0, 0.0, 0.2), 1e-3, up, 1e-3) == Vec3(0.0));  // it has left
   CHECK(fixture(Vec3(0.0, 0.0, 0.2), 0.1e-3, up, 1e-3).z > 0.0);
@@ -187,8 +187,9 @@ TEST_CASE("virtual fixture: what is not finite gives no force and no work; a res
   fixture.restart();
   (void)fixture(Vec3(1.0), 1.0, up, 1e-3);
   CHECK(fixture.figures().taken == 0.0);
-  for (const FixtureConfig& bad : {FixtureConfig{.start = -1.0}, FixtureConfig{.stiffness = 0.0}, FixtureConfig{.damping = nan},
-                                   FixtureConfig{.largest = 0.0}, FixtureConfig{.allowance = 0.0}, FixtureConfig{.acceleration = nan}})
+  for (const FixtureConfig& bad :
+       {FixtureConfig{.start = -1.0}, FixtureConfig{.stiffness = 0.0}, FixtureConfig{.damping = nan}, FixtureConfig{.largest = 0.0},
+        FixtureConfig{.limit = {.allowance = 0.0}}, FixtureConfig{.limit = {.acceleration = nan}}})
     CHECK_FALSE(VirtualFixture::create(bad).ok());
 }
 

@@ -1,0 +1,252 @@
+// [dura] in a scene: what is indented, felt and torn; undo, replay, refused scenes.
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "app/stage/dura_state.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+/// A hand whose readings are given; it sums the work that is done on it.
+class GivenHand final : public HandSource {
+ public:
+  explicit GivenHand(std::function<Vec3(double)> at, double period = 1e-3) : at_(std::move(at)), period_(period) {}
+  const HandState& read() noexcept override {
+    state_.world_from_hand.translation = place(tick_);
+    state_.tick = tick_;
+    return state_;
+  }
+  void apply(const Wrench& on_hand) noexcept override {
+    work += glm::dot(on_hand.force, place(tick_ + 1) - place(tick_));
+    most = std::max(most, work);
+    largest = std::max(largest, on_hand.force.z);
+    last = on_hand.force.z;
+    ++tick_;
+  }
+  double work = 0.0, most = 0.0, largest = 0.0, last = 0.0;  // [J]; [N] along +z
+
+ private:
+  [[nodiscard]] Vec3 place(std::uint64_t tick) const { return at_(static_cast<double>(tick) * period_); }
+  std::function<Vec3(double)> at_;
+  double period_;
+  HandState state_;
+  std::uint64_t tick_ = 0;
+};
+
+/// A patch of 5 mm of bone over dura, wide enough for the sheet. Without contact and erosion the ball goes through the bone.
+SmallScene free_scene(const std::vector<std::string>& sets = {}) {
+  SmallScene scene{.volume = kSkullPatchKeys,
+                   .contact = false,
+                   .erosion = false,
+                   .sets = {"duration_s=1.5", "volume.extent_mm=[16.0, 16.0, 12.0]", "volume.spacing_mm=0.5", "volume.dura_mm=1.0"}};
+  scene.sets.insert(scene.sets.end(), sets.begin(), sets.end());
+  return scene;
+}
+const std::string kDura = "[dura]\nradius_mm = 6\nspacing_mm = 0.6\npulse_Pa = 0\n";
+
+/// Down from 1 mm above the inner surface of the bone to `depth` [m] below it, and up again. The tool's origin is its lowest point.
+std::function<Vec3(double)> dive(double depth, double period = 1.5) {
+  return [depth, period](double t) {
+    const double share = 0.5 * (1.0 - std::cos(2.0 * 3.14159265358979 * std::min(t / period, 1.0)));
+    return Vec3(0.0, 0.0, -4.0e-3 - share * (1.0e-3 + depth));
+  };
+}
+
+struct Dived {
+  GivenHand hand;
+  std::unique_ptr<DrillRun> run;
+  double of(const char* name) const { return figure(run->simulation(), "dura", name); }
+};
+
+Dived dived(double depth, const std::string& dura = kDura, const std::vector<std::string>& sets = {}) {
+  Dived out{GivenHand(dive(depth)), nullptr};
+  SimulationOptions options;
+  options.hand = &out.hand;
+  const SmallScene scene = free_scene(sets);
+  out.run = std::make_unique<DrillRun>(load_text(scene_text(scene) + dura, scene.sets), options);
+  out.run->run();
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("dura: it is indented by as much as the bit goes below the bone, is felt, and is whole and at rest afterwards") {
+  const Dived run = dived(0.8e-3);
+  const double indentation = run.of("indentation_mm");
+  // The bit's lowest point goes about 0.8 mm below; its shell has a pitch of 0.25 mm, and the sheet's nodes overshoot by the slope times
+  // their distance.
+  CHECK(indentation > 0.3);
+  CHECK(indentation < 1.4);
+  CHECK(run.of("peak_force_N") > 0.05);
+  CHECK(run.of("torn") == 0.0);
+  CHECK(run.hand.largest > 0.02);
+  CHECK(run.hand.last == 0.0);
+  CHECK(run.of("felt_N") == doctest::Approx(run.hand.largest).epsilon(0.02));
+  CHECK(run.hand.most <= 1e-3 + 1e-12);  // the allowance
+  CHECK(run.hand.work < 1e-3);
+  const Dived deeper = dived(1.2e-3);
+  CHECK(deeper.of("indentation_mm") > indentation + 0.2);
+  CHECK(deeper.of("peak_force_N") > run.of("peak_force_N"));
+  const Dived above = dived(-0.8e-3);
+  CHECK(above.of("indentation_mm") == 0.0);
+  CHECK(above.hand.largest == 0.0);
+}
+
+TEST_CASE("dura: a deep plunge tears it, which is an event and a warning; the force then ends") {
+  const TemporaryFolder folder;
+  GivenHand hand(dive(6e-3));
+  SimulationOptions options;
+  options.hand = &hand;
+  const SmallScene scene = free_scene();
+  DrillRun run(load_text(scene_text(scene) + kDura, scene.sets), options);
+  run_recorded(run, folder.file("torn.bhs"));
+  CHECK(figure(run.simulation(), "dura", "torn_edges") > 0.0);
+  CHECK(figure(run.simulation(), "dura", "largest_strain") > 0.08);
+  const auto session = SessionReader::open(folder.file("torn.bhs"));
+  REQUIRE(session);
+  std::vector<std::string> texts;
+  for (const SessionEvent& event : session->events())
+    if (event.kind == "dura") texts.push_back(event.text);
+  REQUIRE(texts.size() >= 2);
+  CHECK(texts[0] == "pressed");
+  CHECK(texts.back() == "torn");
+  std::vector<std::string> lines;
+  run.simulation().stage().warn(lines);
+  CHECK(std::ranges::any_of(lines, [](const std::string& line) { return line.find("[dura] the dura tore") == 0; }));
+}
+
+TEST_CASE("dura: no energy above the allowance at any rate of servo and bone, and no force that is not finite") {
+  for (const auto& [servo, bone] : {std::pair{100, 10}, std::pair{200, 20}, std::pair{1000, 50}, std::pair{1000, 500}}) {
+    CAPTURE(servo);
+    const double period = 1.0 / servo;
+    GivenHand hand([](double t) { return Vec3(0.3e-3 * std::sin(9.0 * t), 0.0, -4.0e-3 - 1.1e-3 * (1.0 - std::cos(15.0 * t))); }, period);
+    SimulationOptions options;
+    options.hand = &hand;
+    SmallScene scene = free_scene({fmt::format("servo_hz={}", servo), fmt::format("erosion.rate_hz={}", bone)});
+    scene.erosion = true;
+    scene.sets.push_back("tool.spin_rpm=0");
+    DrillRun run(load_text(scene_text(scene) + kDura, scene.sets), options);
+    run.run();
+    CHECK(std::isfinite(hand.work));
+    CHECK(hand.most <= 1e-3 + 1e-12);
+    CHECK(figure(run.simulation(), "dura", "peak_force_N") > 0.05);
+  }
+}
+
+TEST_CASE("dura: each key changes what it names") {
+  const Dived base = dived(1.0e-3);
+  const double force = base.of("peak_force_N");
+  const auto with = [&](const std::string& keys, const char* name) { return dived(1.0e-3, kDura + keys).of(name); };
+  CHECK(with("modulus_MPa = 30\n", "peak_force_N") < 0.8 * force);
+  CHECK(with("thickness_mm = 0.3\n", "peak_force_N") < 0.9 * force);
+  CHECK(with("support_kPa_per_mm = 20\n", "peak_force_N") > 1.05 * force);
+  CHECK(with("resistance_kPa_s_per_mm = 2\n", "peak_force_N") > 1.01 * force);
+  CHECK(with("strain_limit = 0.01\n", "torn_edges") > base.of("torn_edges"));
+  CHECK(with("tension = 0.03\n", "peak_force_N") > 1.1 * force);
+  CHECK(with("adhesion_kPa = 0\n", "separated_mm2") >= base.of("separated_mm2"));
+  CHECK(with("adhesion_kPa = 1000\n", "peak_force_N") > force);
+  CHECK(with("adhesion_kPa = 5\nadhesion_mm = 2\n", "separated_mm2") < base.of("separated_mm2"));
+  CHECK(with("largest_N = 0.02\n", "felt_N") == doctest::Approx(0.02));
+  CHECK(with("allowance_mJ = 0.001\n", "felt_N") <= base.of("felt_N"));
+  CHECK(with("acceleration_m_per_s2 = 10000\n", "felt_N") < base.of("felt_N"));
+  CHECK(dived(1.0e-3, "[dura]\nradius_mm = 6\nspacing_mm = 1.2\npulse_Pa = 0\n").of("nodes") < base.of("nodes"));
+  CHECK(dived(1.0e-3, "[dura]\nradius_mm = 4\nspacing_mm = 0.6\npulse_Pa = 0\n").of("nodes") < base.of("nodes"));
+}
+
+TEST_CASE("dura: the brain's pulse moves it under a hole, at its rate, more with its amplitude, and not under bone") {
+  // In 0.5 s the hand cuts a hole to the dura, then stands above the bone.
+  const auto moved = [](double pulse, double rate, bool cuts) {
+    GivenHand hand([](double t) { return Vec3(0.0, 0.0, t < 0.5 ? 0.5e-3 - 11e-3 * t : 3e-3); });
+    SimulationOptions options;
+    options.hand = &hand;
+    const TemporaryFolder folder;
+    SmallScene scene = free_scene({"duration_s=3.5", "tool.erosion_scale=1e4"});
+    scene.erosion = cuts;
+    const std::string dura =
+        fmt::format("[dura]\nradius_mm = 6\nspacing_mm = 0.6\npulse_Pa = {}\npulse_hz = {}\nadhesion_kPa = 0.01\n", pulse, rate);
+    DrillRun run(load_text(scene_text(scene) + dura, scene.sets), options);
+    run_recorded(run, folder.file("pulse.bhs"));
+    std::vector<double> all = session_column(folder.file("pulse.bhs"), "dura_indentation");
+    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 3));  // the last 2.3 s
+    return all;
+  };
+  const auto most = [](const std::vector<double>& values) { return *std::ranges::max_element(values); };
+  const auto beats = [&](const std::vector<double>& values) {
+    int count = 0;
+    for (std::size_t n = 1; n < values.size(); ++n) count += values[n] > 0.5 * most(values) && values[n - 1] <= 0.5 * most(values);
+    return count;
+  };
+  const std::vector<double> soft = moved(2e3, 1.0, true), hard = moved(8e3, 1.0, true), fast = moved(2e3, 3.0, true);
+  CHECK(most(soft) > 1e-6);
+  CHECK(most(hard) > 1.2 * most(soft));
+  CHECK(std::abs(beats(soft) - 2) <= 1);
+  CHECK(std::abs(beats(fast) - 7) <= 1);
+  CHECK(most(moved(0.0, 1.0, true)) < 0.1 * most(soft));
+  CHECK(most(moved(2e3, 1.0, false)) < most(soft));
+}
+
+TEST_CASE("dura: a drilled hole frees it, a replay has the same bits, and a reset brings it back whole") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("drilled.bhs");
+  SmallScene scene{.volume = kInnerTableKeys,
+                   .record = true,
+                   .sets = {"duration_s=5.0", "tool.erosion_scale=5", "volume.extent_mm=[14.0, 14.0, 8.0]", "volume.spacing_mm=0.5",
+                            "volume.dura_mm=1.0", "volume.thickness_mm=2.5", "volume.inner_table_mm=2.5"}};
+  const std::string dura = "[dura]\nradius_mm = 5\nspacing_mm = 0.6\n";
+  DrillRun run(load_text(scene_text(scene) + dura, scene.sets), {.history = true});
+  run_recorded(run, path);
+  CHECK(figure(run.simulation(), "dura", "indentation_mm") > 0.0);
+  CHECK(figure(run.simulation(), "dura", "iterations") > 0.0);
+  ReplayRun again(path);
+  CHECK(again.run().voxel_hash() == run.voxel_hash());
+  CHECK(again.run().simulation().sent_hash() == run.simulation().sent_hash());
+  for (const char* const name : {"indentation_mm", "peak_force_N", "largest_strain", "felt_N"})
+    CHECK(figure(again.run().simulation(), "dura", name) == figure(run.simulation(), "dura", name));
+  REQUIRE(run.simulation().stage().reset());
+  CHECK(figure(run.simulation(), "dura", "torn_edges") == 0.0);
+  CHECK(figure(run.simulation(), "dura", "separated_mm2") == 0.0);
+}
+
+TEST_CASE("dura: a volume without dura, or keys that contradict each other, are refused with their place") {
+  const auto first = [](const std::string& volume, const std::string& dura) {
+    SmallScene scene = free_scene();
+    if (!volume.empty()) {
+      scene.volume = volume;
+      scene.sets.clear();
+    }
+    Issues issues;
+    auto document = TomlDocument::parse(scene_text(scene) + dura, "small.toml");
+    REQUIRE(document);
+    for (const std::string& set : scene.sets) REQUIRE(document->set(set));
+    auto loaded = load_scene(*document, test_context(), issues);
+    if (loaded && issues.empty()) CHECK(Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues) == nullptr);
+    REQUIRE_FALSE(issues.empty());
+    CHECK(issues.front().place.find("small.toml:") == 0);
+    CHECK(std::ranges::count(issues.front().place, ':') == 2);
+    return issues.front().message;
+  };
+  CHECK(first(kPlateKeys, "[dura]\n").find("no dura under the bone") != std::string::npos);
+  CHECK(first("", "[dura]\nradius_mm = 6\nspacing_mm = 3\n").find("a third of radius_mm") != std::string::npos);
+  CHECK(first("", "[dura]\ntension = 0.1\nstrain_limit = 0.1\n").find("below strain_limit") != std::string::npos);
+  CHECK_FALSE(first("", "[dura]\nmodulus = 3\n").empty());
+  CHECK_FALSE(first("", "[dura]\nmodulus_MPa = 0\n").empty());
+}
+
+TEST_CASE("dura: without the table there is no step, column or figure of it") {
+  DrillRun without(free_scene());
+  const auto columns = [](DrillRun& run) {
+    return std::ranges::count(run.simulation().stage().graph.columns(Clock::contact), std::string(kDuraLevelColumn), &StepColumn::name);
+  };
+  CHECK(columns(without) == 0);
+  CHECK_FALSE(without.simulation().stage().figure("dura", "torn").has_value());
+  CHECK_FALSE(without.simulation().stage().graph.is_written(slots::kDura.name));
+}
+
+}  // namespace burrhole::test
