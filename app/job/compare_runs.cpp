@@ -372,7 +372,7 @@ std::size_t length_of(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
 }
 
-/// @returns the text as lines of at most so many characters, broken at spaces where there are any.
+/// @returns the text as lines of at most `widest` characters, broken at spaces where there are any.
 std::vector<std::string> broken(std::string_view text, std::size_t widest) {
   std::vector<std::string> out;
   while (length_of(text) > widest) {

@@ -39,7 +39,7 @@ struct EffectKnob {
   std::string table, key;
   double value = 0.0, fallback = 0.0;      ///< [unit of the key]
   std::string figure;                      ///< that changes most, relative to the larger of both; empty: none does
-  double before = 0.0, after = 0.0;        ///< of that figure
+  double before = 0.0, after = 0.0;        ///< [unit of the figure]
   double cpu_ms = 0.0, fallback_ms = 0.0;  ///< [ms] as EffectRun::cpu_ms
 };
 

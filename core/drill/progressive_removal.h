@@ -20,7 +20,7 @@ namespace burrhole {
 /// A voxel that takes work.
 struct WorkTaker {
   std::size_t at;   ///< offset into the window
-  double weight;    ///< > 0: its part of the work
+  double weight;    ///< [m^3/rev] > 0: exposure times volume of bone, in proportion to which it takes work
   double capacity;  ///< [J] that brings it to its limit
 };
 

@@ -1,5 +1,5 @@
 /// core/drill/projected_area.h: the area on which a bit bears, for the laws that compare the stress under it with the strength of bone.
-///   Units  SI.   Errors  none.   Thread  any.
+///   Frame  any, in metres.   Units  SI.   Errors  none.   Thread  any.
 #pragma once
 
 #include <cstdint>

@@ -403,7 +403,7 @@ TEST_CASE("ServoStep: a position jump restarts the soft start without a latch") 
   CHECK(unguarded.tick() == 5.0);
 }
 
-TEST_CASE("ServoStep: after a restart the old force fades as the new one rises, and a fault ends both") {
+TEST_CASE("ServoStep: after a restart the old force fades as the new one rises, and a servo fault ends both") {
   Bench bench(soft());
   bench.run(20);
   REQUIRE(bench.tick(5.0) == 5.0);
@@ -413,7 +413,7 @@ TEST_CASE("ServoStep: after a restart the old force fades as the new one rises, 
   bench.servo.restart();
   for (int n = 1; n <= 10; ++n) CHECK(std::abs(bench.tick(0.0) - 8.0 * (10 - n) / 10.0) < 1e-12);
   CHECK(bench.tick(5.0) == 5.0);
-  // A jump within the fade, and a fault, leave nothing of it.
+  // A servo fault within the fade leaves nothing of it.
   bench.servo.restart();
   static_cast<void>(bench.tick(0.0));
   bench.hand.state.flags |= kHandLost;
