@@ -85,7 +85,7 @@ void add_check(CLI::App& app, int& exit_code) {
        .about = "Reads scene and tool, generates or imports the bone and builds the run without starting it. Errors go to stderr, one line "
                 "each, with the nearest known name for a misspelt one; for a valid scene one line goes to stdout. Needs no display and no "
                 "device.",
-       .examples = {"burrhole check my_scene.toml", "burrhole check parietal --set tool.name=round_burr_4mm"},
+       .examples = {"burrhole check my_scene.toml", "burrhole check parietal --unset clutch --set tool.name=round_burr_4mm"},
        .exits = "Exit 4 if the only errors are that a requested device or display is not available."});
   auto option = std::make_shared<SceneOption>();
   option->add_to(*command);

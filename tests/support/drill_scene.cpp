@@ -90,6 +90,8 @@ LoadedScene load_parietal(const std::vector<std::string>& sets) {
   const std::string file = in_source("app/scenes/parietal.toml");
   LoadedScene out = load_text((std::ostringstream() << std::ifstream(file).rdbuf()).str(), sets, file);
   (void)out.scene.effects.remove("display");
+  if (std::ranges::none_of(sets, [](const std::string& set) { return set.starts_with("clutch."); }))
+    (void)out.scene.effects.remove("clutch");
   return out;
 }
 

@@ -70,7 +70,7 @@ struct SmallScene {
 [[nodiscard]] LoadedScene load_text(const std::string& text, const std::vector<std::string>& sets,
                                     const std::string& file_name = "small.toml");
 [[nodiscard]] LoadedScene load_small(const SmallScene& scene);
-/// app/scenes/parietal.toml with overrides and without pictures.
+/// app/scenes/parietal.toml with overrides, without pictures, and without its clutch unless an override names it.
 [[nodiscard]] LoadedScene load_parietal(const std::vector<std::string>& sets);
 
 /// A scene loaded and put together; run() is called by the test.
