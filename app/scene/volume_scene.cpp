@@ -69,7 +69,7 @@ std::shared_ptr<const SegmentOptions> read_segment(TableReader& table) {
   out.least_table = length("least_table_mm", out.least_table, 5.0, "least thickness of a table (assumption)");
   out.smoothing = length("smoothing_mm", out.smoothing, 20.0,
                          "standard deviation of the averages along the surface: of normals, values and borders (assumption)");
-  out.dura = length("dura_mm", out.dura, 3.0, "thickness of dura, which the scan does not show (facts: 0.3 to 0.8 mm)");
+  out.dura = length("dura_mm", out.dura, 3.0, "thickness of dura, which the scan does not show; 0.3 to 0.8 mm are usual");
   out.blur = table.optional_number("blur_mm", {.fallback = std::nullopt, .min = 0.1, .max = 3.0, .to_si = kMillimetre},
                                    "blur of the scanner, standard deviation; absent: from the outer edge of the bone, place by place");
   return std::make_shared<const SegmentOptions>(out);

@@ -21,10 +21,10 @@
 
 namespace burrhole {
 
-/// Keys `segment_*` of [volume].
+/// Keys of [volume] with layers = "segment".
 struct SegmentOptions {
-  double air = -400.0;     ///< [HU] below: air
-  double least_dip = 0.1;  ///< [-] diploe below the tables, over the height of the tables above soft tissue, from which there are layers
+  double air = -400.0;      ///< [HU] below: air
+  double least_dip = 0.05;  ///< [-] diploe below the tables, over the height of the tables above soft tissue, from which there are layers
   double least_table = 0.5e-3;   ///< [m] least thickness of a table
   double smoothing = 2.5e-3;     ///< [m] standard deviation of the averages along the surface
   double dura = 0.5e-3;          ///< [m] thickness of dura: the scan does not show it
