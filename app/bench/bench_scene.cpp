@@ -25,6 +25,8 @@ Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::
   if (!document) return document.error();
   for (const std::string& assignment : overrides)
     if (Status set = document->set(assignment); !set) return set.error();
+  // Not every bit has a clutch, and rows of earlier versions are without one.
+  if (Status unset = document->unset("clutch"); !unset) return unset.error();
   return load_document(*document);
 }
 

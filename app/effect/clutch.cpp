@@ -272,7 +272,7 @@ class ClutchPlan final : public ConfigPlan<ClutchPlan, ClutchScene> {
       return Error{
           ErrorCode::bad_input,
           fmt::format("[clutch] the tool \"{}\" has not exactly one region \"{}\": use a tool with an inner and an outer drill, as "
-                      "perforator_14_11, name its regions in clutch.inner and clutch.outer, or leave [clutch] out",
+                      "perforator_14_11, name its regions in clutch.inner and clutch.outer, or leave [clutch] out (--unset clutch)",
                       stage.tool->name, lacks_inner ? config_.inner : config_.outer),
           lacks_inner ? config_.inner_place : config_.outer_place};
     }

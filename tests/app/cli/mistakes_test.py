@@ -117,7 +117,7 @@ MISTAKES = [
     (["check", "quick.toml", "--set", "volume.radius_mm=3"], 2, ["volume.radius_mm is read only with source = phantom:capsule, phantom:sphere"]),
     (["check", "parietal", "--set", "volume.source=empty"], 2, ["parietal.toml:", "volume.seed is not read with source = SCAN"]),
     (["tools", "odd_pin.toml"], 2, ["odd_pin.toml:", "width_mm is read only with shape = box"]),
-    (["check", "parietal", "--set", "clutch.wear=0", "--set", "tool.name=round_burr_4mm"], 2, ['has not exactly one region "inner drill"', "leave [clutch] out"]),
+    (["check", "parietal", "--set", "clutch.wear=0", "--set", "tool.name=round_burr_4mm"], 2, ['has not exactly one region "inner drill"', "leave [clutch] out (--unset clutch)"]),
     (["check", "parietal", "--set", "clutch.engage=12"], 2, ["engage_N"]),
     (["check", "parietal", "--set", "clutch.teeth_mm=2"], 2, ["teeth_mm", "must be less than travel_mm"]),
     (["check", "parietal", "--set", "clutch.engage_N=4"], 2, ["engage_N", "must be at least spring_N_per_mm x travel_mm = 4.5"]),
