@@ -252,7 +252,10 @@ Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
   const TableReader root = scene->root(issues);
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read == nullptr || (!options.only.empty() && options.only != effect.table)) continue;
-    EffectPrice price{.table = effect.table, .named = root.has(effect.table), .given = "as in the scene"};
+    EffectPrice price;
+    price.table = effect.table;
+    price.named = root.has(effect.table);
+    price.given = "as in the scene";
     Trial trial{effect.table, {}, true};
     if (!price.named)
       trial = trial_with(options, effect, price);
@@ -268,12 +271,14 @@ Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
     if (!out.prices[n].refused.empty()) continue;
     const Trial as_it_is{trials[n].table, {}, false};
     std::vector<std::vector<double>> scenes, others;
-    for (int repeat = 0; repeat < options.repeats; ++repeat)
-      for (const auto& [trial, runs] : {std::pair{&as_it_is, &scenes}, std::pair{&trials[n], &others}}) {
-        auto run = bench.run(*trial, repeat);
-        if (!run) return run.error();
-        runs->push_back(std::move(*run));
-      }
+    for (int repeat = 0; repeat < options.repeats; ++repeat) {
+      auto scene_run = bench.run(as_it_is, repeat);
+      if (!scene_run) return scene_run.error();
+      auto other_run = bench.run(trials[n], repeat);
+      if (!other_run) return other_run.error();
+      scenes.push_back(std::move(*scene_run));
+      others.push_back(std::move(*other_run));
+    }
     const auto names = bench.names_of(as_it_is), other_names = bench.names_of(trials[n]);
     if (!names || !other_names) return names ? other_names.error() : names.error();
     out.prices[n].scene = merged(std::move(scenes), *names);
