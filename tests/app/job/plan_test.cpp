@@ -55,8 +55,8 @@ TEST_CASE("plan: the shipped scene has every row this version knows") {
   const auto loaded = load_scene(*document, test_context(), issues);
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
   const Plan plan = make_plan(*loaded);
-  CHECK(row_names(plan) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "display", "record"});
-  CHECK(plan.not_built == all_but({"contact", "erosion", "display", "record"}));
+  CHECK(row_names(plan) == std::vector<std::string>{"volume", "publish", "hand", "clutch", "contact", "erosion", "display", "record"});
+  CHECK(plan.not_built == all_but({"clutch", "contact", "erosion", "display", "record"}));
   CHECK(plan.warnings.empty());
 }
 

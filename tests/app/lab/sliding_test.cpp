@@ -248,14 +248,14 @@ TEST_CASE("sliding: one leaning point on a level plate steps by k s sin(lean), l
 
 TEST_CASE("sliding: rows come one a tilt, depth and model, each with its time") {
   const auto& rows = quick_rows();
-  CHECK(rows.size() == 4 * 2 * 7);
+  CHECK(rows.size() == 4 * 2 * 8);
   std::map<std::string, int> seen;
   for (const SlidingRow& row : rows) {
     ++seen[row.model];
     CHECK(row.median_us > 0.0);
     CHECK(row.p99_us >= row.median_us);
   }
-  CHECK(seen.size() == 7);
+  CHECK(seen.size() == 8);
   const std::vector<CostRow> cost = sliding_cost_rows(rows, "round_burr_4mm");
   REQUIRE(cost.size() == 4 * rows.size());
   CHECK(cost[0].subject == "sliding, round_burr_4mm, 0.8 voxel deep");

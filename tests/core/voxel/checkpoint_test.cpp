@@ -223,7 +223,8 @@ TEST_CASE("checkpoint: restore refuses remaining outside 0..1 or not finite") {
 TEST_CASE("checkpoint: a place that cannot be written is refused and leaves no half file, and a good file is replaced whole") {
   const TemporaryFolder folder;
   Drilled drilled(5);
-  const Status status = drilled.voxmap.save(folder.file("no/such/folder/checkpoint.vdb"));
+  std::ofstream(folder.file("file")) << "text";
+  const Status status = drilled.voxmap.save(folder.file("file/checkpoint.vdb"));
   REQUIRE_FALSE(status.ok());
   CHECK(status.error().code == ErrorCode::bad_input);
   const std::string path = folder.file("checkpoint.vdb");
