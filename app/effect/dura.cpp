@@ -25,7 +25,7 @@ struct DuraScene {
   SheetConfig sheet{};
   double radius = 12e-3;        ///< [m] from the axis to where it is held
   double spacing = 1e-3;        ///< [m] of its nodes
-  double pulse = 130.0;         ///< [Pa] amplitude, 1 mmHg (an assumption)
+  double pulse = 130.0;         ///< [Pa] from least to largest, 1 mmHg (an assumption)
   double pulse_rate = 1.1;      ///< [1/s] 66 beats a minute (an assumption)
   double largest_force = 50.0;  ///< [N] of the force on the hand (an assumption)
   PassiveForceConfig limit{};
@@ -109,6 +109,7 @@ class DuraEffect final : public Effect {
     dura_ = step.own(slots::kDura);
     step.column("dura_force", "N", &force_);
     step.column("dura_indentation", "m", &indentation_);
+    step.column("dura_bulge", "m", &bulge_);
     auto push = graph.step(
         Clock::contact, "dura", "dura's force", [](void* self, const Tick&) { static_cast<DuraEffect*>(self)->push(); }, this);
     state_ = push.now(slots::kContact);
@@ -134,6 +135,7 @@ class DuraEffect final : public Effect {
   }
   void report(Figures& out) const override {
     out.add("indentation_mm", largest_indentation_ / kMillimetre);
+    out.add("bulge_mm", largest_bulge_ / kMillimetre);
     out.add("pushed_mm", pushed_ / kMillimetre);
     out.add("peak_force_N", peak_);
     out.add("largest_strain", strain_);
@@ -184,13 +186,15 @@ class DuraEffect final : public Effect {
     const bool pulses = scene_.pulse > 0.0 && open_;
     if (!near && !pulses && sheet_.state().energy < kAtRest) {
       *dura_ = {0.0, 0.0, depth, sheet_.state().torn > 0 ? kDuraTorn : kDuraClear};
-      force_ = 0.0;
+      force_ = indentation_ = bulge_ = 0.0;
       return;
     }
-    const double pressure = scene_.pulse * portable_sin(2.0 * std::numbers::pi * scene_.pulse_rate * time_);
+    const double pressure = 0.5 * scene_.pulse * (1.0 - portable_cos(2.0 * std::numbers::pi * scene_.pulse_rate * time_));
     const SheetState& state = sheet_.step(tick.dt, {.pressure = pressure, .tool_points = points_});
     force_ = state.force;
     indentation_ = state.indentation;
+    bulge_ = state.bulge;
+    largest_bulge_ = std::max(largest_bulge_, bulge_);
     ever_torn_ = ever_torn_ || state.torn > 0;
     if (state.force > 0.0) {
       pressed_ += tick.dt;
@@ -238,7 +242,7 @@ class DuraEffect final : public Effect {
   double highest_ = -kBelow;           // [m] of the dura at rest
   std::vector<Vec3> points_;           // [m] of the tool, sheet frame
   double time_ = 0.0, pressed_ = 0.0;  // [s]
-  double force_ = 0.0, indentation_ = 0.0, level_ = kDuraClear;
+  double force_ = 0.0, indentation_ = 0.0, bulge_ = 0.0, largest_bulge_ = 0.0, level_ = kDuraClear;
   double peak_ = 0.0, largest_indentation_ = 0.0, pushed_ = 0.0, strain_ = 0.0;
   std::uint64_t iterations_ = 0;
   const Cut* cut_ = nullptr;
@@ -278,7 +282,7 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
     s.tension = table.number("tension", at_least_zero(s.tension, 1.0, 0.1), "strain of the dura at rest");
     if (s.tension >= s.strain_limit) table.fault("tension", "must be below strain_limit");
     c.pulse = table.number("pulse_Pa", at_least_zero(c.pulse, 1.0, 1e5),
-                           "amplitude of the pressure of the brain's pulse, about its mean (an assumption)");
+                           "pressure of the brain's pulse on the dura, from its least to its largest (an assumption)");
     c.pulse_rate = table.number("pulse_hz", above_zero(c.pulse_rate, 1.0, 10.0), "rate of that pulse (an assumption)");
     c.largest_force =
         table.number("largest_N", above_zero(c.largest_force, 1.0, 1e3), "largest force of the dura on the hand (an assumption)");

@@ -134,7 +134,7 @@ double ElasticSheet::energy(const Field& x) noexcept {
     sum += 0.5 * share * bending_ * glm::dot(bent, bent) + 0.5 * area * config_.support * u.z * u.z;
     if (sticks_[n] != 0)
       sum += 0.5 * area * config_.adhesion / config_.adhesion_way * glm::dot(u, u);
-    else if (under_bone_[n] != 0 && u.z > 0.0)
+    if (under_bone_[n] != 0 && u.z > 0.0)
       sum += 0.5 * area * config_.bone_stiffness * u.z * u.z;
   }
   for (const Pressed& point : pressed_) {
@@ -163,7 +163,7 @@ void ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& 
     out[n].z += area * (config_.support * u[n].z - pressure);
     if (sticks_[n] != 0)
       out[n] += area * config_.adhesion / config_.adhesion_way * u[n];
-    else if (under_bone_[n] != 0 && u[n].z > 0.0)
+    if (under_bone_[n] != 0 && u[n].z > 0.0)
       out[n].z += area * config_.bone_stiffness * u[n].z;
   }
   add_bending(u, out);
@@ -192,7 +192,7 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
     up_[n] = area * config_.support;
     if (sticks_[n] != 0)
       all_[n] += area * config_.adhesion / config_.adhesion_way;
-    else if (under_bone_[n] != 0 && x[n].z > rest_[n].z)
+    if (under_bone_[n] != 0 && x[n].z > rest_[n].z)
       up_[n] += area * config_.bone_stiffness;
     diagonal_[n] = Mat3(all_[n] + 42.0 * bending_);
     diagonal_[n][2][2] += up_[n];
@@ -298,9 +298,12 @@ const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
 }
 
 void ElasticSheet::measure() {
-  state_.force = state_.indentation = state_.strain = 0.0;
+  state_.force = state_.indentation = state_.bulge = state_.strain = 0.0;
   for (const Pressed& point : pressed_) state_.force += config_.tool_stiffness * std::max(0.0, height_at(point.place, x_) - point.z);
-  for (std::size_t n = 0; n < x_.size(); ++n) state_.indentation = std::max(state_.indentation, rest_[n].z - x_[n].z);
+  for (std::size_t n = 0; n < x_.size(); ++n) {
+    state_.indentation = std::max(state_.indentation, rest_[n].z - x_[n].z);
+    state_.bulge = std::max(state_.bulge, x_[n].z - rest_[n].z);
+  }
   for (std::size_t e = 0; e < length_.size(); ++e)
     if (broken_[e] == 0)
       state_.strain = std::max(state_.strain, glm::length(x_[lattice_.edges()[e].a] - x_[lattice_.edges()[e].b]) / length_[e] - 1.0);

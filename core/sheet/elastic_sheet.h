@@ -3,7 +3,7 @@
 ///   Frame  of the sheet: x, y along it, +z towards the bone.   Units  SI.   Errors  out_of_range from create().   Thread  one.
 ///   Energy  U = sum over edges of k (l - l0)^2 / 2, k = sqrt(3)/2 E t: the triangular lattice with the plane stiffness E t and the Poisson's
 ///           ratio 1/3; + sum over nodes of D A |2 / (3 s^2) sum over neighbours (u_j - u_i)|^2 / 2, D = E t^3 / (12 (1 - 1/9)): bending; + A g u_z^2 / 2:
-///           the body below; + A a |u|^2 / 2 where the sheet sticks to bone; + A c max(0, u_z)^2 / 2 where it lies free under bone;
+///           the body below; + A a |u|^2 / 2 where the sheet sticks to bone; + A c max(0, u_z)^2 / 2 where it lies under bone;
 ///           + c_p max(0, z_sheet - z)^2 / 2 for each point of the tool below the sheet's rest; - p A u_z: pressure from below. u is the
 ///           displacement from the shape at rest, A and s area and spacing of the lattice.
 ///   Step    x minimises U(x) + sum of A b |x - x_before|^2 / (2 dt), b the resistance of what is moved aside; inertia is left out: the sheet weighs
@@ -52,6 +52,7 @@ struct SheetState {
   double force = 0.0;        ///< [N] on the tool, towards +z
   double stiffness = 0.0;    ///< [N/m] change of the force for a tool that moves on towards -z, the sheet at equilibrium
   double indentation = 0.0;  ///< [m] largest displacement of a node towards -z
+  double bulge = 0.0;        ///< [m] largest displacement of a node towards +z
   double strain = 0.0;       ///< [-] largest of an edge that is whole
   double energy = 0.0;       ///< [J] U without the load of pressure
   double separated = 0.0;    ///< [m^2] that came off the bone

@@ -85,7 +85,7 @@ TEST_CASE("dura: it is indented by as much as the bit goes below the bone, is fe
   CHECK(indentation > 0.3);
   CHECK(indentation < 1.4);
   CHECK(run.of("peak_force_N") > 0.05);
-  CHECK(run.of("torn") == 0.0);
+  CHECK(run.of("torn_edges") == 0.0);
   CHECK(run.hand.largest > 0.02);
   CHECK(run.hand.last == 0.0);
   CHECK(run.of("felt_N") == doctest::Approx(run.hand.largest).epsilon(0.02));
@@ -147,7 +147,7 @@ TEST_CASE("dura: each key changes what it names") {
   CHECK(with("modulus_MPa = 30\n", "peak_force_N") < 0.8 * force);
   CHECK(with("thickness_mm = 0.3\n", "peak_force_N") < 0.9 * force);
   CHECK(with("support_kPa_per_mm = 20\n", "peak_force_N") > 1.05 * force);
-  CHECK(with("resistance_kPa_s_per_mm = 2\n", "peak_force_N") > 1.01 * force);
+  CHECK(with("resistance_kPa_s_per_mm = 100\n", "peak_force_N") > 1.01 * force);
   CHECK(with("strain_limit = 0.01\n", "torn_edges") > base.of("torn_edges"));
   CHECK(with("tension = 0.03\n", "peak_force_N") > 1.1 * force);
   CHECK(with("adhesion_kPa = 0\n", "separated_mm2") >= base.of("separated_mm2"));
@@ -173,7 +173,7 @@ TEST_CASE("dura: the brain's pulse moves it under a hole, at its rate, more with
         fmt::format("[dura]\nradius_mm = 6\nspacing_mm = 0.6\npulse_Pa = {}\npulse_hz = {}\nadhesion_kPa = 0.01\n", pulse, rate);
     DrillRun run(load_text(scene_text(scene) + dura, scene.sets), options);
     run_recorded(run, folder.file("pulse.bhs"));
-    std::vector<double> all = session_column(folder.file("pulse.bhs"), "dura_indentation");
+    std::vector<double> all = session_column(folder.file("pulse.bhs"), "dura_bulge");
     all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 3));  // the last 2.3 s
     return all;
   };
@@ -189,7 +189,7 @@ TEST_CASE("dura: the brain's pulse moves it under a hole, at its rate, more with
   CHECK(std::abs(beats(soft) - 2) <= 1);
   CHECK(std::abs(beats(fast) - 7) <= 1);
   CHECK(most(moved(0.0, 1.0, true)) < 0.1 * most(soft));
-  CHECK(most(moved(2e3, 1.0, false)) < most(soft));
+  CHECK(most(moved(2e3, 1.0, false)) < 0.5 * most(soft));
 }
 
 TEST_CASE("dura: a drilled hole frees it, a replay has the same bits, and a reset brings it back whole") {
