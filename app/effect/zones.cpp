@@ -391,7 +391,7 @@ EffectEntry zones_effect() {
   return {"zones",
           "distance of the tip from dura, sinuses and other zones, with a warning; without it there is none",
           read,
-          {"[[zones.zone]]\nname = \"dura\"\nlabel = \"dura\"",
+          {"[[zones.zone]]\nname = \"sinus\"\nlabel = \"dura\"",
            "[[zones.zone]]\nname = \"sinus\"\nfrom_mm = [0, 0, 0]\nto_mm = [1, 0, 0]\nradius_mm = 1", "[zones.guidance]"}};
 }
 
