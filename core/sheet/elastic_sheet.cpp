@@ -132,10 +132,8 @@ double ElasticSheet::energy(const Field& x) noexcept {
     const Vec3 &u = shift_[n], bent = bend(shift_, n);
     const double share = lattice_.on_rim(n) ? kHalf : 1.0;
     sum += 0.5 * share * bending_ * glm::dot(bent, bent) + 0.5 * area * config_.support * u.z * u.z;
-    if (sticks_[n] != 0)
-      sum += 0.5 * area * config_.adhesion / config_.adhesion_way * glm::dot(u, u);
-    if (under_bone_[n] != 0 && u.z > 0.0)
-      sum += 0.5 * area * config_.bone_stiffness * u.z * u.z;
+    if (sticks_[n] != 0) sum += 0.5 * area * config_.adhesion / config_.adhesion_way * glm::dot(u, u);
+    if (under_bone_[n] != 0 && u.z > 0.0) sum += 0.5 * area * config_.bone_stiffness * u.z * u.z;
   }
   for (const Pressed& point : pressed_) {
     const double depth = std::max(0.0, height_at(point.place, x) - point.z);
@@ -161,10 +159,8 @@ void ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& 
     u[n] = x[n] - rest_[n];
     out[n] = area * per_dt * (x[n] - before_[n]);
     out[n].z += area * (config_.support * u[n].z - pressure);
-    if (sticks_[n] != 0)
-      out[n] += area * config_.adhesion / config_.adhesion_way * u[n];
-    if (under_bone_[n] != 0 && u[n].z > 0.0)
-      out[n].z += area * config_.bone_stiffness * u[n].z;
+    if (sticks_[n] != 0) out[n] += area * config_.adhesion / config_.adhesion_way * u[n];
+    if (under_bone_[n] != 0 && u[n].z > 0.0) out[n].z += area * config_.bone_stiffness * u[n].z;
   }
   add_bending(u, out);
   for (std::size_t e = 0; e < length_.size(); ++e) {
@@ -190,10 +186,8 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
   for (std::size_t n = 0; n < x.size(); ++n) {
     all_[n] = area * per_dt;
     up_[n] = area * config_.support;
-    if (sticks_[n] != 0)
-      all_[n] += area * config_.adhesion / config_.adhesion_way;
-    if (under_bone_[n] != 0 && x[n].z > rest_[n].z)
-      up_[n] += area * config_.bone_stiffness;
+    if (sticks_[n] != 0) all_[n] += area * config_.adhesion / config_.adhesion_way;
+    if (under_bone_[n] != 0 && x[n].z > rest_[n].z) up_[n] += area * config_.bone_stiffness;
     diagonal_[n] = Mat3(all_[n] + 42.0 * bending_);
     diagonal_[n][2][2] += up_[n];
   }
