@@ -388,7 +388,7 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 }  // namespace
 
 EffectEntry zones_effect() {
-  std::vector<std::string> samples{"[[zones.zone]]\nname = \"sinus\"\nfrom_mm = [0, 0, 0]\nto_mm = [1, 0, 0]\nradius_mm = 1",
+  std::vector<std::string> samples{"[[zones.zone]]\nname = \"here\"\nfrom_mm = [0, 0, 0]\nto_mm = [1, 0, 0]\nradius_mm = 1",
                                    "[zones.guidance]"};
   for (const auto& [word, label] : kLabels) samples.push_back(fmt::format("[[zones.zone]]\nname = \"here\"\nlabel = \"{}\"", word));
   return {"zones", "distance of the tip from dura, sinuses and other zones, with a warning; without it there is none", read,
