@@ -192,6 +192,7 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
   for (std::size_t n = 0; n < logs.size(); ++n)
     if (visits(logs[n], row.key.table))
       (std::find(row.samples.begin(), row.samples.end(), n) != row.samples.end() ? with : without).insert(names[n]);
+  if (std::ranges::any_of(with, [&](const std::string& name) { return without.contains(name); })) return {};  // the names explain nothing
   if (with == std::set<std::string>{row.key.key}) return {};  // the key is its own condition: its text says when it is given
   return with.size() <= without.size() ? "only with " + listed(with) : "not with " + listed(without);
 }

@@ -20,7 +20,7 @@ EffectsCostOptions short_runs() {
   out.scene_file = test::in_source("app/scenes/parietal.toml");
   out.context.tool_folders = {test::in_source("app/tools")};
   out.repeats = 1;
-  out.duration_s = 1.2;  // the bit reaches bone within the first second
+  out.duration_s = 2.5;  // the bit reaches bone within the first second, and cuts after the second
   out.knobs = false;
   return out;
 }

@@ -243,6 +243,8 @@ TEST_CASE("reference: conditions by a table that is there, and by name where no 
   CHECK(find_row(merge_logs(other, names), "", "a")->condition == "only with `mesh`");
   const std::vector<std::string> of_the_key{"a", "plain"};
   CHECK(find_row(merge_logs(other, of_the_key), "", "a")->condition == "");  // its own condition
+  const std::vector<std::string> alike{"plain", "plain"};
+  CHECK(find_row(merge_logs(other, alike), "", "a")->condition == "");  // a name of both says nothing
 }
 
 TEST_CASE("reference: one key read by two rules has two rows") {
