@@ -238,6 +238,17 @@ Status is_a_tool(const std::string& name) {
                    name);
 }
 
+/// @returns an error for the file of a scene in place of a tool.
+Status is_no_scene(const TomlDocument& document) {
+  Issues unread;
+  const TableReader root = document.root(unread);
+  const bool scene = root.has("volume") && root.has("tool") && !root.has("region") && !root.has("mesh");
+  if (!scene) return {};
+  return bad_input(
+      fmt::format("is a scene, not a tool: burrhole explain {} names its bit, burrhole tools NAME shows that", document.file_name()),
+      document.file_name());
+}
+
 struct Options {
   std::string name, image;
   bool json = false;
@@ -249,6 +260,7 @@ int show_tool(const Options& options) {
   Issues issues;
   const auto document = TomlDocument::load(file);
   if (!document) return report(document.error());
+  if (const Status valid = is_no_scene(*document); !valid) return report(valid.error());
   const auto tool = make_tool(*document, {.erosion_pitch = kListPitch, .read_mesh = read_mesh}, issues);
   if (!tool) return report(issues);
   const auto fine = make_tool(*document, {.erosion_pitch = kFeedPitch, .read_mesh = read_mesh}, issues);

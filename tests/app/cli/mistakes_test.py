@@ -177,6 +177,7 @@ MISTAKES = [
     (["check", "quick.toml", "--set", "erosion.curve=[{strain=0.01, stress_MPa=100}, {strain=0.02}]", "--set", "erosion.law=progressive"], 2,
      ["erosion.curve[1].stress_MPa is missing"]),
     (["check", "quick.toml", "--set", "erosion.work_share=0", "--set", "erosion.law=progressive"], 2, ["erosion.work_share = 0", "(0, 1]"]),
+    (["tools", "quick.toml"], 2, ["is a scene, not a tool", "burrhole tools NAME"]),
     (["check", "quick.toml", "--set-tool", "region.pin.erosion_factor=0.2,0.3"], 2, ["--set-tool", "write a point for decimals"]),
     (["check", "quick.toml", "--set", "approach.depth_mm=-3"], 2, ['unknown key "depth_mm" in [approach]', "burrhole docs scene lists its keys"]),
     (["check", "quick.toml", "--set", "approach.entry_mm=[54, 100]"], 2, ["approach.entry_mm = [54, 100]", "3 numbers"]),
