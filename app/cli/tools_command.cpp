@@ -244,9 +244,7 @@ Status is_no_scene(const TomlDocument& document) {
   const TableReader root = document.root(unread);
   const bool scene = root.has("volume") && root.has("tool") && !root.has("region") && !root.has("mesh");
   if (!scene) return {};
-  return bad_input(
-      fmt::format("is a scene, not a tool: burrhole explain {} names its bit, burrhole tools NAME shows that", document.file_name()),
-      document.file_name());
+  return bad_input("is a scene, not a tool: its [tool] names the bit, and burrhole tools NAME shows that", document.file_name());
 }
 
 struct Options {
