@@ -133,7 +133,7 @@ bool ServoStep::reset() noexcept {
 void ServoStep::restart() noexcept {
   restart_softly();
   kept_ = output_.force;
-  kept_share_ = config_.soft_start > 0.0 ? 1.0 : 0.0;
+  kept_share_ = config_.soft_start > 0.0 && kept_ != Vec3(0.0) ? 1.0 : 0.0;
 }
 
 void ServoStep::restart_softly() noexcept {

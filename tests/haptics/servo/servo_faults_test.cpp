@@ -413,6 +413,11 @@ TEST_CASE("ServoStep: after a restart the old force fades as the new one rises, 
   bench.servo.restart();
   for (int n = 1; n <= 10; ++n) CHECK(std::abs(bench.tick(0.0) - 8.0 * (10 - n) / 10.0) < 1e-12);
   CHECK(bench.tick(5.0) == 5.0);
+  // In free motion there is nothing to fade, and bone that is touched next has its full force.
+  CHECK(bench.tick(0.0) == 0.0);
+  bench.servo.restart();
+  CHECK(bench.tick(0.0) == 0.0);
+  CHECK(bench.tick(5.0) == 5.0);
   // A servo fault within the fade leaves nothing of it.
   bench.servo.restart();
   static_cast<void>(bench.tick(0.0));
