@@ -295,14 +295,11 @@ class Interrupted(WithRuns):
         self.assertIn(f"{peak:.2f}", (self.out / "report.html").read_text())
         return peak
 
-    def test_the_peak_force_of_a_soft_start_is_that_on_the_hand(self):
-        """After a tool change the force returns through the soft start, while the hand presses the bit deeper: contact's force is larger."""
-        inputs = self.folder / "inputs.toml"
-        inputs.write_text('[[input]]\ntime_s = 1.5\nkind = "tool"\nname = "pin_2mm.toml"\n')
-        shutil.copy(QUICK.parent / "pin_2mm.toml", self.folder)
+    def test_the_peak_force_under_a_slew_limit_is_that_on_the_hand(self):
+        """The force on the hand rises slowly, while the hand presses on: contact's force is larger."""
         for live in ([], ["--live"]):
-            result = run("drill", QUICK, "--no-pictures", "--offscreen", "--inputs", inputs, "--set", "tool.spin_rpm=0", "--set", "duration_s=2",
-                         "--set", "servo.soft_start_s=0.2", "--out", self.out, "--force", "--quiet", *live)
+            result = run("drill", QUICK, "--no-pictures", "--offscreen", "--set", "tool.spin_rpm=0", "--set", "duration_s=2",
+                         "--set", "servo.slew_N_per_s=10", "--out", self.out, "--force", "--quiet", *live)
             self.assertEqual(result.returncode, 0, result.stderr)
             peak = self.check_peak(self.stream("servo"))
             contact = max(math.hypot(*(float(row[f"force_{axis}_N"]) for axis in "xyz")) for row in self.stream("contact"))
