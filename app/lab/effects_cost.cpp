@@ -266,7 +266,13 @@ Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
   }
   if (out.prices.empty()) return bad_input("there is no effect \"" + options.only + "\"; burrhole docs scene lists the tables");
   const auto possible = static_cast<std::size_t>(std::ranges::count_if(out.prices, [](const EffectPrice& p) { return p.refused.empty(); }));
-  Bench bench(options, 2 * possible * static_cast<std::size_t>(options.repeats));
+  std::size_t values = 0;  // of keys
+  for (std::size_t n = 0; n < trials.size() && options.knobs; ++n) {
+    if (!out.prices[n].refused.empty()) continue;
+    const auto document = document_of(options, out.prices[n].named ? Trial{trials[n].table, {}, false} : trials[n]);
+    if (document) values += 2 * number_keys(document->to_text(), trials[n].table).size();
+  }
+  Bench bench(options, 2 * possible * static_cast<std::size_t>(options.repeats) + values);
   for (std::size_t n = 0; n < trials.size(); ++n) {
     if (!out.prices[n].refused.empty()) continue;
     const Trial as_it_is{trials[n].table, {}, false};

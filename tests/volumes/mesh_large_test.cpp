@@ -58,7 +58,7 @@ void write_torus(const std::string& path, std::uint32_t last) {
 }  // namespace
 
 TEST_CASE(
-    "read_mesh_scan: ten million triangles keep the volume of their closed form within 3 GiB; one wrong index among them is refused") {
+    "read_mesh_scan: ten million triangles keep the volume of their closed form within 3 GiB, and one wrong index among them is refused") {
   const TemporaryFolder folder;
   const std::string path = folder.file("torus.ply");
   ReadOptions options;

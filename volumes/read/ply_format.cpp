@@ -220,7 +220,7 @@ std::string add_face(const std::vector<double>& list, SurfaceMesh& mesh, std::ui
   std::vector<std::uint32_t> corners;
   for (const double index : list) {
     if (!(index >= 0.0) || index != std::floor(index) || index >= static_cast<double>(mesh.positions.size()))
-      return fmt::format("a face names vertex {:g} of {}", index, mesh.positions.size());
+      return fmt::format("a face names vertex {:.{}g} of {}", index, 15, mesh.positions.size());
     corners.push_back(static_cast<std::uint32_t>(index));
   }
   return append_polygon(corners, mesh, steps);

@@ -69,7 +69,7 @@ TEST_CASE("read_dicom: the head phantom comes in whole, sorted by position thoug
   CHECK(read_scan.report.series[0].taken);
 }
 
-TEST_CASE("read_dicom: a phantom slice taken away is missed by number and place; sabotage of the gap check") {
+TEST_CASE("read_dicom: a phantom slice taken away is missed by number and place, and sabotage of the gap check") {
   const std::string folder = real_data("head_ct_dicom_phantom_1mm").string();
   const TemporaryFolder partial;
   std::vector<std::filesystem::path> files;

@@ -108,7 +108,7 @@ TEST_CASE("foreign vdb: a level set of a sphere has its 0.5 level on the sphere,
   CHECK(read->report.assumed.at(1) == "one unit of the file is 10 mm");
 }
 
-TEST_CASE("foreign vdb: a fog volume keeps its values and its sheared map; others are reported") {
+TEST_CASE("foreign vdb: a fog volume keeps its values and its sheared map, and others are reported") {
   openvdb::initialize();
   const TemporaryFolder folder;
   const auto vectors = openvdb::Vec3SGrid::create();

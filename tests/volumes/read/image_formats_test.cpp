@@ -185,7 +185,7 @@ TEST_CASE("read_nifti: scaling is applied once, for floats and whole numbers, wi
     }
 }
 
-TEST_CASE("read_nifti: a marker in a sheared scan lies where the sform puts it; spacing and direction alone would miss") {
+TEST_CASE("read_nifti: a marker in a sheared scan lies where the sform puts it, and spacing and direction alone would miss") {
   const TemporaryFolder folder;
   SmallVolume volume = small_volume();
   volume.dims = Vec3i(24, 20, 16);
