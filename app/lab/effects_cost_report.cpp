@@ -39,8 +39,8 @@ Cells price_cells(const EffectsCost& cost) {
     out.push_back({p.table, p.named ? "named by the scene" : p.given, fmt::format("{:.1f}", without.cpu_ms),
                    fmt::format("{:.1f}", with.cpu_ms), fmt::format("{:+.1f}", p.added_ms()),
                    fmt::format("{:+.1f}", 100.0 * p.added_ms() / without.cpu_ms), fmt::format("{:.1f}", with.bytes / 1e3),
-                   with.bits == without.bits ? "same bits" : "changed", number_text(figure_of(p.other, "breakthrough_s")),
-                   number_text(figure_of(p.other, "plunge_mm"))});
+                   with.bits == without.bits ? "same bits" : "changed", number_text(figure_of(p.other, "breakthrough_s"), "{:.2f}"),
+                   number_text(figure_of(p.other, "plunge_mm"), "{:.2f}")});
   }
   return out;
 }
