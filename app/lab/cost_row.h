@@ -29,6 +29,12 @@ struct CostRow {
 /// @returns the smallest value that a share `share` (0..1) of the values do not exceed; 1 gives the largest. @pre values is not empty.
 [[nodiscard]] double at_share(std::vector<double> values, double share);
 
+/// @returns the CPU time [s] of the calling thread: a run in lockstep starts no other.
+[[nodiscard]] double cpu_now() noexcept;
+
+/// @returns a table in Markdown: a line of heads, then a line for each row.
+[[nodiscard]] std::string markdown_table(const std::vector<std::string>& heads, const std::vector<std::vector<std::string>>& cells);
+
 /// Columns subject, model, knob, setting, error_name, error, unit, reference, median_us, p99_us, bytes.
 [[nodiscard]] Status write_cost_csv(std::span<const CostRow> rows, const std::string& path);
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -67,13 +65,6 @@ double closed_form(const DrillingBit& bit, DrillingBone bone) {
       return through_shell(bit.swept, thick, PhantomSpec{}.curvature);
   }
   return 0.0;
-}
-
-/// CPU time [s] of the calling thread: a run in lockstep starts no other.
-double cpu_now() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 /// Mean and ripple of the feed between two depths [m], after `from_s` [s].

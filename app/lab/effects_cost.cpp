@@ -1,7 +1,6 @@
 #include "app/lab/effects_cost.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <charconv>
@@ -26,12 +25,6 @@ struct Trial {
   std::vector<std::string> sets;
   bool unset = false;
 };
-
-double cpu_now() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 Result<TomlDocument> document_of(const EffectsCostOptions& options, const Trial& trial) {
   auto document = TomlDocument::load(options.scene_file);

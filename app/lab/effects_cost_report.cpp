@@ -57,14 +57,6 @@ Cells knob_cells(const EffectsCost& cost) {
   return out;
 }
 
-std::string markdown_table(const std::vector<std::string>& heads, const Cells& cells) {
-  std::string out = "| " + fmt::format("{}", fmt::join(heads, " | ")) + " |\n|";
-  for (std::size_t n = 0; n < heads.size(); ++n) out += "---|";
-  out += "\n";
-  for (const std::vector<std::string>& line : cells) out += "| " + fmt::format("{}", fmt::join(line, " | ")) + " |\n";
-  return out;
-}
-
 Plot price_plot(const EffectsCost& cost) {
   Plot plot;
   plot.x_label = "memory of the effect [kB]";

@@ -19,13 +19,6 @@ constexpr std::size_t kQualityFigures = 12;
 constexpr std::size_t kModelFigures = 3 * kMeshMethods.size() + 2;
 enum Method : std::size_t { kUpdate, kUpdateSurface, kFull, kFullSurface, kContours, kContoursBox, kNet, kNetMoved };
 
-/// CPU time [s] of the calling thread.
-double cpu_now() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 Result<BallMesh> make_ball_mesh(const VoxelBox& box, bool subvoxel) { return BallMesh::create(box, {.subvoxel = subvoxel}); }
 
 /// @returns the mesh of a body after the update.

@@ -85,14 +85,6 @@ Cells bound_cells(const MeshCost& cost) {
 }
 const std::vector<std::string> kBoundHeads{"ratio", "value", "bound", "kept"};
 
-std::string markdown_table(const std::vector<std::string>& heads, const Cells& cells) {
-  std::string out = "| " + fmt::format("{}", fmt::join(heads, " | ")) + " |\n|";
-  for (std::size_t n = 0; n < heads.size(); ++n) out += "---|";
-  out += "\n";
-  for (const std::vector<std::string>& line : cells) out += "| " + fmt::format("{}", fmt::join(line, " | ")) + " |\n";
-  return out;
-}
-
 const MeshModelTimes& priced_model(const MeshCost& cost) {
   const auto found = std::ranges::find(cost.models, kBoundEdge, &MeshModelTimes::edge);
   return found == cost.models.end() ? cost.models.back() : *found;
