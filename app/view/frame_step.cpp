@@ -42,6 +42,13 @@ double below_bone(const DisplayConfig& display) { return display.skin ? display.
 
 Vec3 middle_of(const Bounds& extent, const Pose& world_from_approach) { return world_from_approach * (0.5 * (extent.lo + extent.hi)); }
 
+/// @returns whether tables or diploe are labelled on the approach axis.
+bool has_layers(const Approach& approach) {
+  return std::ranges::any_of(approach.layers, [](const Approach::Layer& layer) {
+    return layer.label == VoxelLabel::outer_table || layer.label == VoxelLabel::diploe || layer.label == VoxelLabel::inner_table;
+  });
+}
+
 }  // namespace
 
 std::optional<TableView> find_table(const DisplayConfig& display, const BoneModel& bone, const Pose& world_from_bone,
@@ -117,7 +124,7 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
   out.find_outline();
   if (display.skin && display.skin->body)
     volume->skin = std::make_shared<const SkinView>(make_skin(*display.skin, approach.bone_from_approach));
-  if (out.brain_) volume->note = "layers by density; dura and brain assumed";
+  if (out.brain_) volume->note = std::string(has_layers(approach) ? "layers by label" : "layers by density") + "; dura and brain assumed";
   if (Status started = sink.start(*volume, tool.look); !started) return started.error();
   return out;
 }

@@ -7,6 +7,8 @@ namespace {
 
 /// [-] Relative mineral density above which bone is drawn as dense, and below which it is drawn as marrow between thin walls.
 constexpr double kDenseFrom = 0.75, kMarrowAt = 0.12;
+/// [-] Bounds of the sponginess of labelled layers, so that diploe and tables of a scan differ where its blur has evened out their densities.
+constexpr double kLeastOfDiploe = 0.35, kMostOfTables = 0.2;
 
 struct Tint {
   double r, g, b;
@@ -37,6 +39,14 @@ Tint tint_of(VoxelLabel label, float hardness) {
       return kIvory;
   }
   return kIvory;
+}
+
+/// 0 dense .. 1 marrow.
+double sponginess(VoxelLabel label, float hardness) {
+  const double by_density = (kDenseFrom - static_cast<double>(hardness)) / (kDenseFrom - kMarrowAt);
+  if (label == VoxelLabel::diploe) return std::clamp(by_density, kLeastOfDiploe, 1.0);
+  if (label == VoxelLabel::outer_table || label == VoxelLabel::inner_table) return std::clamp(by_density, 0.0, kMostOfTables);
+  return std::clamp(by_density, 0.0, 1.0);
 }
 
 /// The colour of a label of the user; ivory if it has none.
@@ -96,7 +106,7 @@ std::vector<TissueTexel> make_tissue(const BoneModel& bone, const VoxelBox& box)
   for (std::size_t n = 0; n < occupancy.size(); ++n) {
     const auto label = static_cast<VoxelLabel>(static_cast<int>(labels[n]));
     double kind = label == VoxelLabel::dura ? 1.0 : 0.0;
-    if (is_felt(label)) kind = std::clamp((kDenseFrom - static_cast<double>(hardness[n])) / (kDenseFrom - kMarrowAt), 0.0, 1.0);
+    if (is_felt(label)) kind = sponginess(label, hardness[n]);
     out.push_back({to_byte(static_cast<double>(occupancy[n])), to_byte(kind)});
   }
   return out;

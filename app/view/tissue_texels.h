@@ -18,8 +18,8 @@ namespace burrhole {
 
 /// @returns colours by tissue; alpha is the occupancy of soft tissue. The same for any partition of the bone. @pre box is inside the bone.
 [[nodiscard]] std::vector<Rgba8> make_colors(const BoneModel& bone, const VoxelBox& box);
-/// @returns occupancy as loaded, and sponginess from the mineral density, which a scan has too, although it has no labels of tables and
-/// diploe. @pre box is inside the bone.
+/// @returns occupancy as loaded, and sponginess from the mineral density, within bounds for tables and diploe that are labelled.
+/// @pre box is inside the bone.
 [[nodiscard]] std::vector<TissueTexel> make_tissue(const BoneModel& bone, const VoxelBox& box);
 
 }  // namespace burrhole

@@ -170,6 +170,11 @@ TEST_CASE("real time: a bone that moves, by keyframes and by the hand, under a b
   check_clean(drive(loaded));
 }
 
+TEST_CASE("real time: a bit that vibrates by its chips, and the drilling force") {
+  covers("haptics/servo/chip_vibration.h: operator()", "haptics/servo/drilling_force.h: operator()");
+  check_clean(drive(load_small(pressed(kHeldKeys, {"vibration.source=\"chips\"", "vibration.drilling_force={}"}))));
+}
+
 TEST_CASE("real time: zones with guidance, and the dura") {
   covers("core/zone/distance_field.h: at", "haptics/servo/passive_force.h: operator()", "haptics/servo/virtual_fixture.h: operator()");
   SmallScene scene = pressed(kHeldKeys);

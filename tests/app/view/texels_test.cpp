@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "app/view/texels.h"
+#include "app/view/tissue_texels.h"
 #include "tests/support/drill_scene.h"
 
 namespace burrhole::test {
@@ -110,6 +111,27 @@ TEST_CASE("texels: made from what the bone's owner read, they are those made of 
   CHECK(after.field != before.field);
   voxmap.write_back();
   CHECK(make_texels(voxmap, all).field == after.field);  // a read does not need it
+}
+
+TEST_CASE("texels: labelled tables and diploe of one density are drawn apart, and by density within their bounds") {
+  const auto sponginess = [](VoxelLabel label, float hardness) {
+    DenseBone dense;
+    dense.dims = Vec3i(1);
+    dense.bone_from_index = Affine::scaling(1e-3, Vec3(0.0));
+    dense.occupancy = {1.0f};
+    dense.hardness = {hardness};
+    dense.labels = {static_cast<std::uint8_t>(label)};
+    const auto bone = BoneModel::create(dense);
+    REQUIRE(bone.ok());
+    return static_cast<int>(make_tissue(**bone, (*bone)->bounds()).front().g);
+  };
+  for (const float hardness : {0.0f, 0.3f, 0.5f, 0.65f, 1.0f}) {
+    CHECK(sponginess(VoxelLabel::diploe, hardness) >= 89);       // 0.35
+    CHECK(sponginess(VoxelLabel::outer_table, hardness) <= 51);  // 0.2
+    CHECK(sponginess(VoxelLabel::inner_table, hardness) <= 51);
+  }
+  CHECK(sponginess(VoxelLabel::bone, 0.5f) == sponginess(VoxelLabel::diploe, 0.5f));  // between the bounds
+  CHECK(sponginess(VoxelLabel::bone, 0.3f) > sponginess(VoxelLabel::diploe, 0.7f));
 }
 
 }  // namespace burrhole::test

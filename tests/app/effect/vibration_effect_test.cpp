@@ -1,0 +1,130 @@
+// [vibration] in a scene: the size by chips against a twin on the recorded removal, layers and breakthrough, the drilling force, keys, replay.
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+LoadedScene scene_of(const std::string& vibration, const SmallScene& scene = {}) {
+  return load_text(scene_text(scene) + "\n[record]\n" + vibration, scene.sets);
+}
+double mean(const std::vector<double>& values, double from, double to) {  // of shares of the run
+  const auto count = static_cast<double>(values.size());
+  double sum = 0.0;
+  const auto first = static_cast<std::size_t>(from * count), last = static_cast<std::size_t>(to * count);
+  for (std::size_t n = first; n < last; ++n) sum += values[n];
+  return sum / static_cast<double>(last - first);
+}
+struct Felt {
+  double mean = 0.0, largest = 0.0;  // [N]
+};
+Felt felt(const std::string& keys) {
+  DrillRun run(scene_of("[vibration]\nsource = \"chips\"\n" + keys, {.sets = {"duration_s=2.0"}}));
+  run.run();
+  return {figure(run.simulation(), "vibration", "mean_N"), figure(run.simulation(), "vibration", "largest_N")};
+}
+
+}  // namespace
+
+TEST_CASE("vibration by chips: its size is that of a twin on the removed bone") {
+  const TemporaryFolder folder;
+  DrillRun run(scene_of("[vibration]\nsource = \"chips\"\n", {.sets = {"duration_s=2.5", "tool.name=\"pin\""}}));
+  run_recorded(run, folder.file("run.bhs"));
+  const std::vector<double> removed = session_column(folder.file("run.bhs"), "removed_mass"),
+                            size = session_column(folder.file("run.bhs"), "vibration");
+  // From 50 to 90 % of the run, a flat pin of 2 mm in a plate, pressed by 20 N at 1000 rpm: a tangential force of half the thrust, on all teeth.
+  const double share = removed.size() > 20 ? 0.4 : 0.0, seconds = 2.5 * share;
+  REQUIRE(seconds > 0.0);
+  const auto count = static_cast<double>(removed.size());
+  const double volume = removed[static_cast<std::size_t>(0.9 * count) - 1] - removed[static_cast<std::size_t>(0.5 * count) - 1];
+  const auto teeth = static_cast<double>(run.loaded().tool.teeth);
+  const double thickness = volume / seconds / (1000.0 / 60.0) / teeth / (std::numbers::pi * 1e-6);
+  const double expected = 0.5 * 20.0 / teeth * thickness / (thickness + 75e-6);
+  INFO("chips of [um] ", thickness * 1e6);
+  REQUIRE(thickness > 5e-6);
+  // The area of the pin is that of voxel columns, 6 %; the lag of 20 ms does not count in steady cutting.
+  CHECK(mean(size, 0.5, 0.9) == doctest::Approx(expected).epsilon(0.08));
+  // Sabotage: without the share that breaks it would be the whole force on a tooth.
+  CHECK(mean(size, 0.5, 0.9) < 0.7 * 0.5 * 20.0 / teeth);
+}
+
+TEST_CASE("vibration by chips: soft bone vibrates more than hard bone, and nothing vibrates behind the bone") {
+  const auto with_hardness = [](double hardness) {
+    DrillRun run(
+        scene_of("[vibration]\nsource = \"chips\"\n", {.sets = {"duration_s=1.5", "volume.hardness=" + std::to_string(hardness)}}));
+    run.run();
+    return figure(run.simulation(), "vibration", "mean_N");
+  };
+  CHECK(with_hardness(0.4) > 1.2 * with_hardness(0.8));
+
+  const TemporaryFolder folder;
+  DrillRun through(
+      scene_of("[vibration]\nsource = \"chips\"\n", {.sets = {"duration_s=8.0", "volume.hardness=0.2", "volume.thickness_mm=1.0"}}));
+  run_recorded(through, folder.file("run.bhs"));
+  const std::vector<double> size = session_column(folder.file("run.bhs"), "vibration");
+  const double most = *std::ranges::max_element(size);
+  CHECK(most > 0.1);
+  CHECK(size.back() < 0.01 * most);  // the wall of the hole is all that is left to cut
+}
+
+TEST_CASE("vibration by chips: each key changes its figure") {
+  const Felt plain = felt("");
+  CHECK(felt("fracture_um = 37.5\n").mean > 1.1 * plain.mean);
+  CHECK(felt("fracture_um = 150\n").mean < 0.9 * plain.mean);
+  CHECK(felt("rise_ms = 500\n").largest < 0.98 * plain.largest);
+  // The unevenness changes what the hand gets, not the size of the tooth's part.
+  DrillRun even(scene_of("[vibration]\nsource = \"chips\"\nuneven = 0\n", {.sets = {"duration_s=1.0"}}));
+  DrillRun uneven(scene_of("[vibration]\nsource = \"chips\"\nuneven = 1\n", {.sets = {"duration_s=1.0"}}));
+  CHECK(even.run().voxel_hash() != uneven.run().voxel_hash());
+}
+
+TEST_CASE("drilling force: it acts against the bone, in proportion to its key, and only while the drill turns") {
+  const auto peak = [](const std::string& keys, const std::vector<std::string>& sets) {
+    DrillRun run(scene_of("[vibration]\namplitude_N = 0\n[vibration.drilling_force]\n" + keys, {.sets = sets}));
+    run.run();
+    CHECK(figure(run.simulation(), "vibration", "drilling_given_mJ") <= 1.0 + 1e-9);
+    return figure(run.simulation(), "vibration", "drilling_peak_N");
+  };
+  const double once = peak("", {"duration_s=1.0"});
+  CHECK(once > 0.01);
+  const double twice = peak("resistance_N_s_per_m = 200\n", {"duration_s=1.0"});
+  CHECK(twice > 1.5 * once);  // a little below 2: the force slows the drill
+  CHECK(twice < 2.05 * once);
+  CHECK(peak("time_constant_ms = 200\n", {"duration_s=1.0"}) < 0.7 * once);
+  CHECK(peak("", {"duration_s=1.0", "tool.spin_rpm=0"}) == 0.0);
+}
+
+TEST_CASE("vibration: a replay has the same bits") {
+  const TemporaryFolder folder;
+  const std::string keys = "[spindle]\n[vibration]\nsource = \"chips\"\n[vibration.drilling_force]\n";
+  DrillRun run(scene_of(keys, {.sets = {"duration_s=1.0"}}));
+  run_recorded(run, folder.file("run.bhs"));
+  ReplayRun replay(folder.file("run.bhs"));
+  CHECK(replay.run().run().voxel_hash() == run.voxel_hash());
+  CHECK(figure(replay.run().simulation(), "vibration", "mean_N") == figure(run.simulation(), "vibration", "mean_N"));
+  CHECK(figure(replay.run().simulation(), "vibration", "drilling_peak_N") == figure(run.simulation(), "vibration", "drilling_peak_N"));
+}
+
+TEST_CASE("vibration: what its source does not have is refused with its place") {
+  for (const char* const keys : {"source = \"chips\"\namplitude_N = 1\n", "fracture_um = 10\n", "source = \"noise\"\n",
+                                 "source = \"chips\"\nfracture_um = 0\n", "drilling_force = 3\n"}) {
+    Issues issues;
+    const auto document = TomlDocument::parse(scene_text({}) + "\n[vibration]\n" + keys, "small.toml");
+    REQUIRE(document);
+    const auto loaded = load_scene(*document, test_context(), issues);
+    CHECK_FALSE((loaded && issues.empty()));
+    REQUIRE_FALSE(issues.empty());
+    CHECK(issues.front().text().find("small.toml:") != std::string::npos);
+  }
+}
+
+}  // namespace burrhole::test
