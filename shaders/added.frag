@@ -27,10 +27,14 @@ void main() {
   vec3 to_eye = normalize(eye_world.xyz - world_position);
   vec3 n = normalize(world_normal);
   n = dot(n, to_eye) < 0.0 ? -n : n;
+#ifdef CUT
+  // Of a closed body the inner side is seen through the cut alone, so it shows the section.
+  if (!gl_FrontFacing) n = cut.xyz;
+#endif
   vec3 shown = color.rgb * (light_terms.x + light_terms.y * max(dot(n, light.xyz), 0.0) + light_terms.z * max(dot(n, to_eye), 0.0));
   // A tight highlight of the film of fluid over a broad one of the uneven tissue below it.
   float towards = max(dot(n, normalize(light.xyz + to_eye)), 0.0) * step(0.0, dot(n, light.xyz));
-  shown += color.a * light_terms.y * (0.35 * pow(towards, 90.0) + 0.12 * pow(towards, 16.0));
+  shown += color.a * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
   shown = rolled_off(shown);
 #ifdef FOG
   shown = fogged(shown, 1.0 / gl_FragCoord.w);

@@ -9,8 +9,10 @@ namespace {
 
 constexpr double kMoved = 5e-6;      // [m] of a node, above which the next picture shows it
 constexpr double kBelowTear = 1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
+constexpr double kLeastBelow = 1e-4; // [m] of soft tissue below the upper face
 constexpr double kAbove = 2e-3;      // [m] over the sheet at rest, up to which soft tissue is left out
 constexpr double kCurved = 0.75;     // [-] share of the curvature between nodes: Phong tessellation
+constexpr double kLeastSlope = 0.3;  // [-] of a normal along z; steeper faces count as that
 constexpr int kParts = 5;            // of an edge
 constexpr std::uint8_t kShine = 150;
 
@@ -50,7 +52,7 @@ double vessel(const Vec3& x, const Vec3& way, double width) {
 Rgba8 color_of(const Vec3& p, double torn) {
   const double trunk = vessel(p / 6.0e-3, Vec3(0.8, 0.36, 0.48), 0.06);
   const double branch = vessel(p / 2.8e-3 + 5.0, Vec3(0.28, 0.96, 0.0), 0.08);
-  Vec3 color = Vec3(0.82, 0.66, 0.63) * (0.92 + 0.14 * noise(p / Vec3(0.5e-3, 2.2e-3, 0.5e-3)));
+  Vec3 color = Vec3(0.80, 0.65, 0.61) * (0.92 + 0.14 * noise(p / Vec3(0.5e-3, 2.2e-3, 0.5e-3)));
   color = glm::mix(color, Vec3(0.60, 0.16, 0.15), std::max(0.85 * trunk, 0.6 * branch));
   color = glm::mix(color, Vec3(0.62, 0.14, 0.13), 0.75 * torn);  // blood in the edge of a tear
   const auto byte = [](double share) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0))); };
@@ -60,9 +62,12 @@ Rgba8 color_of(const Vec3& p, double torn) {
 /// The shell that one picture shows: fine triangles between the nodes, on both faces, and walls along open edges.
 class Shell {
  public:
-  Shell(const ElasticSheet& sheet, const std::vector<Vec3>& x, const Pose& bone_from_sheet, double thickness, AddedMesh& out)
-      : sheet_(&sheet), x_(&x), bone_from_sheet_(bone_from_sheet), thickness_(thickness), out_(&out), normals_(x.size(), Vec3(0.0)),
-        torn_(x.size(), 0.0) {}
+  struct Nodes {
+    const std::vector<Vec3>&x, &normals;  // sheet frame
+  };
+  Shell(const ElasticSheet& sheet, const Nodes& nodes, const Pose& bone_from_sheet, double thickness, AddedMesh& out)
+      : sheet_(&sheet), x_(&nodes.x), normals_(&nodes.normals), bone_from_sheet_(bone_from_sheet), thickness_(thickness), out_(&out),
+        torn_(nodes.x.size(), 0.0) {}
 
   void note(const std::array<std::uint32_t, 3>& nodes, bool whole) {
     if (!whole) {
@@ -70,16 +75,11 @@ class Shell {
       return;
     }
     triangles_.push_back(nodes);
-    const std::vector<Vec3>& x = *x_;
-    const Vec3 normal = glm::cross(x[nodes[1]] - x[nodes[0]], x[nodes[2]] - x[nodes[0]]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      normals_[nodes[k]] += normal;
+    for (std::size_t k = 0; k < 3; ++k)
       ++open_[{std::min(nodes[k], nodes[(k + 1) % 3]), std::max(nodes[k], nodes[(k + 1) % 3])}];
-    }
   }
 
   void build() {
-    for (Vec3& normal : normals_) normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : Vec3(0.0, 0.0, 1.0);
     for (const auto& nodes : triangles_) add_triangle(nodes);
     for (const auto& nodes : triangles_)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -105,8 +105,8 @@ class Shell {
     for (std::size_t k = 0; k < 3; ++k) flat += weight(k) * (*x_)[corner.nodes[k]];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t n = corner.nodes[k];
-      curved += weight(k) * (flat - glm::dot(flat - (*x_)[n], normals_[n]) * normals_[n]);
-      normal += weight(k) * normals_[n];
+      curved += weight(k) * (flat - glm::dot(flat - (*x_)[n], (*normals_)[n]) * (*normals_)[n]);
+      normal += weight(k) * (*normals_)[n];
       rest += weight(k) * sheet_->rest(n);
       torn += weight(k) * torn_[n];
     }
@@ -163,11 +163,10 @@ class Shell {
   }
 
   const ElasticSheet* sheet_;
-  const std::vector<Vec3>* x_;
+  const std::vector<Vec3>*x_, *normals_;
   Pose bone_from_sheet_;
   double thickness_;
   AddedMesh* out_;
-  std::vector<Vec3> normals_;
   std::vector<double> torn_;  // [-] of nodes, 1 at a tear
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> open_;  // whole triangles at an edge
@@ -196,12 +195,21 @@ bool DuraPicture::copy_for_picture() {
   broken_.resize(lattice.edges().size());
   for (std::size_t n = 0; n < x_.size(); ++n) x_[n] = sheet_->position(n);
   for (std::size_t e = 0; e < broken_.size(); ++e) broken_[e] = sheet_->is_broken(e) ? 1 : 0;
+  find_normals();
+  // z of the shell over the place of a node at rest, from which the node has moved aside.
+  const auto over_rest = [this](std::size_t n) {
+    const Vec3 moved = x_[n] - sheet_->rest(n), &normal = normals_[n];
+    const double z = x_[n].z + (normal.x * moved.x + normal.y * moved.y) / std::max(normal.z, kLeastSlope);
+    return std::min(z, sheet_->rest(n).z);
+  };
   std::vector<double> wanted(x_.size());
-  for (std::size_t n = 0; n < x_.size(); ++n) wanted[n] = std::min(x_[n].z, sheet_->rest(n).z) - thickness_ - edge_;
+  // Within the shell, but below its upper face by more than the ramp of the voxels.
+  const double below = std::max(thickness_ - 0.25 * edge_, 0.5 * edge_ + kLeastBelow);
+  for (std::size_t n = 0; n < x_.size(); ++n) wanted[n] = over_rest(n) - below;
   for (std::size_t e = 0; e < broken_.size(); ++e)
     if (broken_[e] != 0)
       for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b})
-        wanted[n] = std::min(x_[n].z, sheet_->rest(n).z) - thickness_ - edge_ - kBelowTear;
+        wanted[n] = over_rest(n) - thickness_ - kBelowTear;
   lower_soft(wanted);
   return true;
 }
@@ -237,16 +245,31 @@ double DuraPicture::shown(const Vec3& p_bone, double edge) const {
   return p.z > rest + kAbove ? 1.0 : std::clamp(0.5 + (top - p.z) / edge, 0.0, 1.0);
 }
 
-void DuraPicture::append_mesh(AddedMesh& out) const {
+template <class F>
+void DuraPicture::for_each_triangle(F&& f) const {
   const SheetLattice& lattice = sheet_->lattice();
-  Shell shell(*sheet_, x_, bone_from_sheet_, thickness_, out);
   for (std::uint32_t n = 0; n < x_.size(); ++n) {
     const SheetLattice::Neighbours& beside = lattice.neighbours(n);
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t b = beside[k], c = beside[k + 1];
-      if (b != SheetLattice::kNoNode && c != SheetLattice::kNoNode) shell.note({n, b, c}, is_whole(n, b, c));
+      if (b != SheetLattice::kNoNode && c != SheetLattice::kNoNode) f(std::array{n, b, c}, is_whole(n, b, c));
     }
   }
+}
+
+void DuraPicture::find_normals() {
+  normals_.assign(x_.size(), Vec3(0.0));
+  for_each_triangle([this](const std::array<std::uint32_t, 3>& nodes, bool whole) {
+    const Vec3 normal = glm::cross(x_[nodes[1]] - x_[nodes[0]], x_[nodes[2]] - x_[nodes[0]]);
+    if (whole)
+      for (const std::uint32_t n : nodes) normals_[n] += normal;
+  });
+  for (Vec3& normal : normals_) normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : Vec3(0.0, 0.0, 1.0);
+}
+
+void DuraPicture::append_mesh(AddedMesh& out) const {
+  Shell shell(*sheet_, {x_, normals_}, bone_from_sheet_, thickness_, out);
+  for_each_triangle([&](const std::array<std::uint32_t, 3>& nodes, bool whole) { shell.note(nodes, whole); });
   shell.build();
 }
 

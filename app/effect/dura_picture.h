@@ -25,12 +25,15 @@ class DuraPicture final : public PictureSource, public SoftTop {
 
  private:
   [[nodiscard]] bool is_whole(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept;
+  template <class F>
+  void for_each_triangle(F&& f) const;
+  void find_normals();
   void lower_soft(const std::vector<double>& wanted);
 
   const ElasticSheet* sheet_;
   Pose bone_from_sheet_, sheet_from_bone_;
   double thickness_, edge_;
-  std::vector<Vec3> x_;               // [m] of the last copy, sheet frame
+  std::vector<Vec3> x_, normals_;     // [m], [-] of the last copy, sheet frame
   std::vector<std::uint8_t> broken_;  // edges of the last copy
   std::vector<double> top_;           // [m] z below which soft tissue is shown at each node
   Bounds changed_ = Bounds::none(), extent_ = Bounds::none();
