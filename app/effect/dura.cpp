@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "app/effect/dura_picture.h"
 #include "app/effect/registry.h"
 #include "app/stage/dura_state.h"
 #include "app/stage/stage.h"
@@ -94,6 +95,7 @@ class DuraEffect final : public Effect {
         growth_(voxmap_->growth_epoch()),
         bone_from_sheet_(bone_from_sheet),
         index_from_sheet_(voxmap_->bone().bone_from_index().inverse() * Affine::from_pose(bone_from_sheet)),
+        picture_(sheet_, bone_from_sheet, scene.sheet.thickness, voxmap_->bone().bone_from_index().mean_edge()),
         at_rest_(stage.config.volume.world_from_bone),
         sees_bone_(stage.needs.reads_window) {
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) highest_ = std::max(highest_, sheet_.rest(n).z);
@@ -124,6 +126,7 @@ class DuraEffect final : public Effect {
     added_ = servo.add(slots::kAddedForce);
     return {};
   }
+  PictureSource* picture_source() noexcept override { return &picture_; }
   /// Bone that comes back brings back the dura under it, whole and at rest.
   void place(const Pose&) noexcept override {
     passive_.restart();
@@ -236,6 +239,7 @@ class DuraEffect final : public Effect {
   std::uint64_t growth_;
   Pose bone_from_sheet_;
   Affine index_from_sheet_;
+  DuraPicture picture_;
   Pose at_rest_;
   bool sees_bone_;  // contact reads the bone, with its pose
   bool open_ = false, ever_torn_ = false;

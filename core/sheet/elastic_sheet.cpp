@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMostNewton = 25, kMostConjugate = 400, kMostHalvings = 30;
 constexpr double kForceTolerance = 1e-6;  // [N] of the sum of all nodes
+constexpr double kShare = 1e-4;           // [-] of the forces of tool and pressure, of that sum: what a larger load may leave
 constexpr double kPoisson2 = 1.0 / 9.0;   // square of the lattice's ratio
 constexpr double kHalf = 0.5;             // [-] of a node's cell on the rim that counts for bending: the mirror has the rest
 constexpr double kDescent = 1e-4;         // [-] of the slope, least decrease of a step
@@ -41,6 +42,9 @@ Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattic
   const std::size_t nodes = grid.nodes();
   for (std::size_t n = 0; n < nodes; ++n) out.rest_.emplace_back(grid.x(n), grid.y(n), height[n]);
   out.x_ = out.before_ = out.rest_;
+  for (std::uint32_t n = 0; n < nodes; ++n)
+    if (grid.on_rim(n)) out.rim_.push_back(n);
+  out.assemble_bending();
   for (const SheetEdge& edge : grid.edges())
     out.length_.push_back(glm::length(out.rest_[edge.a] - out.rest_[edge.b]) / (1.0 + config.tension));
   out.broken_.assign(grid.edges().size(), 0);
@@ -50,9 +54,9 @@ Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattic
   out.all_.resize(nodes);
   out.up_.resize(nodes);
   out.diagonal_.resize(nodes);
-  for (Field* field :
-       {&out.gradient_, &out.direction_, &out.trial_, &out.residual_, &out.search_, &out.product_, &out.shift_, &out.preconditioned_})
-    field->resize(nodes);
+  for (Field* field : {&out.gradient_, &out.direction_, &out.trial_, &out.residual_, &out.search_, &out.product_, &out.shift_,
+                       &out.preconditioned_, &out.moved_, &out.give_})
+    field->assign(nodes, Vec3(0.0));
   return out;
 }
 
@@ -67,7 +71,8 @@ void ElasticSheet::cover(std::size_t node, SheetCover cover) noexcept {
 }
 
 std::size_t ElasticSheet::bytes() const noexcept {
-  return lattice_.nodes() * (14 * sizeof(Vec3) + sizeof(Mat3) + 64) + lattice_.edges().size() * (sizeof(Mat3) + 32);
+  return lattice_.nodes() * (16 * sizeof(Vec3) + sizeof(Symmetric) + 64) + lattice_.edges().size() * (sizeof(Symmetric) + 32) +
+         bend_value_.size() * (sizeof(double) + sizeof(std::uint32_t));
 }
 
 double ElasticSheet::height_at(const SheetLattice::Place& place, const Field& x) const noexcept {
@@ -83,10 +88,10 @@ void ElasticSheet::find_pressed(std::span<const Vec3> points) {
     const auto place = lattice_.find(point.x, point.y);
     if (!place || point.z >= height_at(*place, rest_)) continue;
     const auto& n = place->nodes;
-    if (is_broken(lattice_.edge(n[0], n[1])) || is_broken(lattice_.edge(n[1], n[2])) || is_broken(lattice_.edge(n[2], n[0]))) continue;
-    pressed_.push_back({*place, point.z});
+    const std::array edges{lattice_.edge(n[1], n[2]), lattice_.edge(n[2], n[0]), lattice_.edge(n[0], n[1])};
+    if (std::ranges::any_of(edges, [this](std::uint32_t edge) { return is_broken(edge); })) continue;
+    pressed_.push_back({*place, edges, point.z});
   }
-  pressing_.resize(pressed_.size());
 }
 
 std::uint32_t ElasticSheet::beside(std::size_t node, std::size_t k) const noexcept {
@@ -94,28 +99,55 @@ std::uint32_t ElasticSheet::beside(std::size_t node, std::size_t k) const noexce
   return all[k] != SheetLattice::kNoNode ? all[k] : all[(k + 3) % 6];
 }
 
-Vec3 ElasticSheet::bend(const Field& u, std::size_t node) const noexcept {
-  Vec3 sum(0.0);
-  for (std::size_t k = 0; k < 6; ++k)
-    if (const std::uint32_t other = beside(node, k); other != SheetLattice::kNoNode) sum += u[other] - u[node];
-  return sum;
-}
-
-void ElasticSheet::add_bending(const Field& u, Field& out) const noexcept {
-  for (std::size_t n = 0; n < u.size(); ++n) {
-    const Vec3 bent = bend(u, n) * (bending_ * (lattice_.on_rim(n) ? kHalf : 1.0));
-    for (std::size_t k = 0; k < 6; ++k) {
-      const std::uint32_t other = beside(n, k);
-      if (other == SheetLattice::kNoNode) continue;
-      out[other] += bent;
-      out[n] -= bent;
+/// The energy is a sum over nodes of squares of g_n . u, g_n the sum of the differences to the neighbours: the matrix is the sum of the products
+/// g_n g_n^T. Displacements on the rim are 0, so it needs only the free nodes.
+void ElasticSheet::assemble_bending() {
+  const std::size_t nodes = lattice_.nodes();
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> rows(nodes);
+  const auto add = [&](std::uint32_t row, std::uint32_t column, double value) {
+    if (lattice_.on_rim(row) || lattice_.on_rim(column)) return;
+    const auto at = std::ranges::find(rows[row], column, &std::pair<std::uint32_t, double>::first);
+    if (at == rows[row].end())
+      rows[row].emplace_back(column, value);
+    else
+      at->second += value;
+  };
+  for (std::uint32_t n = 0; n < nodes; ++n) {
+    std::array<std::pair<std::uint32_t, double>, 7> g{std::pair{n, 0.0}};
+    std::size_t size = 1;
+    for (std::size_t k = 0; k < 6; ++k)
+      if (const std::uint32_t other = beside(n, k); other != SheetLattice::kNoNode) {
+        g[size++] = {other, 1.0};
+        g[0].second -= 1.0;
+      }
+    const double weight = bending_ * (lattice_.on_rim(n) ? kHalf : 1.0);
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t j = 0; j < size; ++j) add(g[i].first, g[j].first, weight * g[i].second * g[j].second);
+  }
+  bend_first_.push_back(0);
+  for (const auto& row : rows) {
+    for (const auto& [column, value] : row) {
+      bend_column_.push_back(column);
+      bend_value_.push_back(value);
     }
+    bend_first_.push_back(static_cast<std::uint32_t>(bend_column_.size()));
   }
 }
 
+Vec3 ElasticSheet::bending_at(const Field& u, std::size_t node) const noexcept {
+  double x = 0.0, y = 0.0, z = 0.0;
+  for (std::uint32_t k = bend_first_[node]; k < bend_first_[node + 1]; ++k) {
+    const double value = bend_value_[k];
+    const Vec3& v = u[bend_column_[k]];
+    x += value * v.x;
+    y += value * v.y;
+    z += value * v.z;
+  }
+  return {x, y, z};
+}
+
 void ElasticSheet::hold_rim(Field& out) const noexcept {
-  for (std::size_t n = 0; n < out.size(); ++n)
-    if (lattice_.on_rim(n)) out[n] = Vec3(0.0);
+  for (const std::uint32_t n : rim_) out[n] = Vec3(0.0);
 }
 
 double ElasticSheet::energy(const Field& x) noexcept {
@@ -129,9 +161,8 @@ double ElasticSheet::energy(const Field& x) noexcept {
     sum += 0.5 * edge_stiffness_ * longer * longer;
   }
   for (std::size_t n = 0; n < x.size(); ++n) {
-    const Vec3 &u = shift_[n], bent = bend(shift_, n);
-    const double share = lattice_.on_rim(n) ? kHalf : 1.0;
-    sum += 0.5 * share * bending_ * glm::dot(bent, bent) + 0.5 * area * config_.support * u.z * u.z;
+    const Vec3& u = shift_[n];
+    sum += 0.5 * glm::dot(u, bending_at(shift_, n)) + 0.5 * area * config_.support * u.z * u.z;
     if (sticks_[n] != 0) sum += 0.5 * area * config_.adhesion / config_.adhesion_way * glm::dot(u, u);
     if (under_bone_[n] != 0 && u.z > 0.0) sum += 0.5 * area * config_.bone_stiffness * u.z * u.z;
   }
@@ -152,17 +183,20 @@ double ElasticSheet::merit(const Field& x, double per_dt, double pressure) noexc
   return sum;
 }
 
-void ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& out) noexcept {
+/// @returns the largest force [N] of the loads: of the tool, or of the pressure on all nodes.
+double ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& out) noexcept {
   const double area = lattice_.area();
   Field& u = shift_;
   for (std::size_t n = 0; n < x.size(); ++n) {
     u[n] = x[n] - rest_[n];
     out[n] = area * per_dt * (x[n] - before_[n]);
+  }
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    out[n] += bending_at(u, n);
     out[n].z += area * (config_.support * u[n].z - pressure);
     if (sticks_[n] != 0) out[n] += area * config_.adhesion / config_.adhesion_way * u[n];
     if (under_bone_[n] != 0 && u[n].z > 0.0) out[n].z += area * config_.bone_stiffness * u[n].z;
   }
-  add_bending(u, out);
   for (std::size_t e = 0; e < length_.size(); ++e) {
     if (broken_[e] != 0) continue;
     const SheetEdge& edge = lattice_.edges()[e];
@@ -173,12 +207,15 @@ void ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& 
     out[edge.a] += pull;
     out[edge.b] -= pull;
   }
+  double pushed = 0.0;
   for (const Pressed& point : pressed_) {
     const double depth = height_at(point.place, x) - point.z;
     if (depth <= 0.0) continue;
+    pushed += config_.tool_stiffness * depth;
     for (std::size_t k = 0; k < 3; ++k) out[point.place.nodes[k]].z += config_.tool_stiffness * depth * point.place.weights[k];
   }
   hold_rim(out);
+  return std::max(pushed, std::abs(pressure) * area * std::sqrt(static_cast<double>(x.size())));
 }
 
 void ElasticSheet::curve(const Field& x, double per_dt) {
@@ -188,11 +225,9 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
     up_[n] = area * config_.support;
     if (sticks_[n] != 0) all_[n] += area * config_.adhesion / config_.adhesion_way;
     if (under_bone_[n] != 0 && x[n].z > rest_[n].z) up_[n] += area * config_.bone_stiffness;
-    diagonal_[n] = Mat3(all_[n] + 42.0 * bending_);
-    diagonal_[n][2][2] += up_[n];
   }
   for (std::size_t e = 0; e < length_.size(); ++e) {
-    edge_curve_[e] = Mat3(0.0);
+    edge_curve_[e] = {};
     if (broken_[e] != 0) continue;
     const SheetEdge& edge = lattice_.edges()[e];
     const Vec3 along = x[edge.a] - x[edge.b];
@@ -200,52 +235,90 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
     if (length == 0.0) continue;
     const Vec3 unit = along / length;
     // Across a shortened edge the second derivative is below 0; without it the sum stays convex.
-    const double across = std::max(0.0, 1.0 - length_[e] / length);
-    edge_curve_[e] = edge_stiffness_ * (across * Mat3(1.0) + (1.0 - across) * glm::outerProduct(unit, unit));
-    diagonal_[edge.a] += edge_curve_[e];
-    diagonal_[edge.b] += edge_curve_[e];
+    const double across = std::max(0.0, 1.0 - length_[e] / length), both = edge_stiffness_ * across;
+    const Vec3 part = edge_stiffness_ * (1.0 - across) * unit;
+    edge_curve_[e] = {both + part.x * unit.x, part.x * unit.y,        part.x * unit.z,
+                      both + part.y * unit.y, part.y * unit.z, both + part.z * unit.z};
   }
-  for (std::size_t p = 0; p < pressed_.size(); ++p) {
-    pressing_[p] = height_at(pressed_[p].place, x) > pressed_[p].z ? 1 : 0;
-    if (pressing_[p] == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k)
-      diagonal_[pressed_[p].place.nodes[k]][2][2] += config_.tool_stiffness * pressed_[p].place.weights[k] * pressed_[p].place.weights[k];
+  for (const Pressed& point : pressed_) {
+    if (height_at(point.place, x) <= point.z) continue;
+    // c_p w_i (sum of w_j u_j) = c_p w_i u_i - sum of c_p w_i w_j (u_i - u_j), as the weights add up to 1.
+    const auto& w = point.place.weights;
+    for (std::size_t k = 0; k < 3; ++k) {
+      up_[point.place.nodes[k]] += config_.tool_stiffness * w[k];
+      edge_curve_[point.edges[k]].zz -= config_.tool_stiffness * w[(k + 1) % 3] * w[(k + 2) % 3];
+    }
   }
-  for (Mat3& block : diagonal_) block = glm::inverse(block);
+  invert_diagonal();
+}
+
+void ElasticSheet::invert_diagonal() noexcept {
+  for (std::size_t n = 0; n < diagonal_.size(); ++n) {
+    double bent = 0.0;
+    for (std::uint32_t k = bend_first_[n]; k < bend_first_[n + 1]; ++k)
+      if (bend_column_[k] == n) bent = bend_value_[k];
+    const double all = all_[n] + bent;
+    diagonal_[n] = {all, 0.0, 0.0, all, 0.0, all + up_[n]};
+  }
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    const Symmetric& m = edge_curve_[e];
+    for (const std::uint32_t n : {lattice_.edges()[e].a, lattice_.edges()[e].b}) {
+      Symmetric& d = diagonal_[n];
+      d = {d.xx + m.xx, d.xy + m.xy, d.xz + m.xz, d.yy + m.yy, d.yz + m.yz, d.zz + m.zz};
+    }
+  }
+  for (Symmetric& d : diagonal_) {
+    const double xx = d.yy * d.zz - d.yz * d.yz, xy = d.xz * d.yz - d.xy * d.zz, xz = d.xy * d.yz - d.xz * d.yy;
+    const double scale = 1.0 / (d.xx * xx + d.xy * xy + d.xz * xz);
+    d = {scale * xx,
+         scale * xy,
+         scale * xz,
+         scale * (d.xx * d.zz - d.xz * d.xz),
+         scale * (d.xy * d.xz - d.xx * d.yz),
+         scale * (d.xx * d.yy - d.xy * d.xy)};
+  }
 }
 
 void ElasticSheet::times(const Field& in, Field& out) const noexcept {
   for (std::size_t n = 0; n < in.size(); ++n) {
-    out[n] = all_[n] * in[n];
+    out[n] = all_[n] * in[n] + bending_at(in, n);
     out[n].z += up_[n] * in[n].z;
   }
-  add_bending(in, out);
-  for (std::size_t e = 0; e < length_.size(); ++e) {
-    if (broken_[e] != 0) continue;
-    const SheetEdge& edge = lattice_.edges()[e];
-    const Vec3 pull = edge_curve_[e] * (in[edge.a] - in[edge.b]);
-    out[edge.a] += pull;
-    out[edge.b] -= pull;
-  }
-  for (std::size_t p = 0; p < pressed_.size(); ++p) {
-    if (pressing_[p] == 0) continue;
-    const double push = config_.tool_stiffness * height_at(pressed_[p].place, in);
-    for (std::size_t k = 0; k < 3; ++k) out[pressed_[p].place.nodes[k]].z += push * pressed_[p].place.weights[k];
+  // Edges are in the order of their first node.
+  const std::vector<SheetEdge>& edges = lattice_.edges();
+  for (std::size_t e = 0; e < edges.size();) {
+    const std::uint32_t a = edges[e].a;
+    const Vec3 at = in[a];
+    Vec3 sum(0.0);
+    for (; e < edges.size() && edges[e].a == a; ++e) {
+      const Vec3 pull = edge_curve_[e] * (at - in[edges[e].b]);
+      sum += pull;
+      out[edges[e].b] -= pull;
+    }
+    out[a] += sum;
   }
   hold_rim(out);
 }
 
 /// Conjugate gradients, with the inverse blocks of the diagonal. Each of its results goes downhill.
 void ElasticSheet::solve(const Field& right, Field& out, double tolerance) {
-  std::ranges::fill(out, Vec3(0.0));
-  residual_ = right;
+  times(out, residual_);
+  double start = 0.0;  // of the right side, as the preconditioner measures it
+  for (std::size_t n = 0; n < right.size(); ++n) {
+    residual_[n] = right[n] - residual_[n];
+    start += glm::dot(right[n], diagonal_[n] * right[n]);
+  }
   const auto precondition = [this] {
-    for (std::size_t n = 0; n < residual_.size(); ++n) preconditioned_[n] = diagonal_[n] * residual_[n];
+    double sum = 0.0;
+    for (std::size_t n = 0; n < residual_.size(); ++n) {
+      preconditioned_[n] = diagonal_[n] * residual_[n];
+      sum += glm::dot(residual_[n], preconditioned_[n]);
+    }
+    return sum;
   };
-  precondition();
+  double size = precondition();
   search_ = preconditioned_;
-  double size = dot(residual_, preconditioned_);
-  const double enough = size * tolerance * tolerance;
+  const double enough = start * tolerance * tolerance;
   for (int n = 0; n < kMostConjugate && size > enough && size > 0.0; ++n) {
     times(search_, product_);
     const double curvature = dot(search_, product_);
@@ -255,11 +328,15 @@ void ElasticSheet::solve(const Field& right, Field& out, double tolerance) {
       out[k] += way * search_[k];
       residual_[k] -= way * product_[k];
     }
-    precondition();
-    const double next = dot(residual_, preconditioned_), turn = next / size;
+    const double next = precondition(), turn = next / size;
     for (std::size_t k = 0; k < out.size(); ++k) search_[k] = preconditioned_[k] + turn * search_[k];
     size = next;
   }
+}
+
+void ElasticSheet::predict(double per_dt, double pressure) {
+  for (std::size_t n = 0; n < x_.size(); ++n) trial_[n] = x_[n] + moved_[n];
+  if (merit(trial_, per_dt, pressure) < merit(x_, per_dt, pressure)) x_.swap(trial_);
 }
 
 const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
@@ -267,14 +344,17 @@ const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
   const double pressure = std::isfinite(load.pressure) ? load.pressure : 0.0;
   find_pressed(load.tool_points);
   before_ = x_;
+  predict(per_dt, pressure);
   for (int n = 0; n < kMostNewton; ++n) {
-    slope(x_, per_dt, pressure, gradient_);
+    const double load_size = slope(x_, per_dt, pressure, gradient_);
     ++iterations_;
     const double size = std::sqrt(dot(gradient_, gradient_));
-    if (!(size > kForceTolerance)) break;
+    const double enough = std::max(kForceTolerance, kShare * load_size);
+    if (!(size > enough)) break;
     for (Vec3& g : gradient_) g = -g;
     curve(x_, per_dt);
-    solve(gradient_, direction_, std::min(0.1, std::sqrt(size)));
+    std::ranges::fill(direction_, Vec3(0.0));
+    solve(gradient_, direction_, std::min(0.1, std::max(std::sqrt(size), 0.3 * enough / size)));
     const double downhill = dot(gradient_, direction_), now = merit(x_, per_dt, pressure);
     double share = 1.0;
     int halved = 0;
@@ -285,6 +365,7 @@ const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
     if (halved == kMostHalvings) break;  // as near as the digits allow
     x_.swap(trial_);
   }
+  for (std::size_t n = 0; n < x_.size(); ++n) moved_[n] = x_[n] - before_[n];
   measure();
   break_edges();
   come_off();
@@ -308,15 +389,16 @@ void ElasticSheet::measure() {
   curve(x_, 1e-6 * config_.resistance);
   std::ranges::fill(gradient_, Vec3(0.0));
   double held = 0.0;
-  for (std::size_t p = 0; p < pressed_.size(); ++p) {
-    if (pressing_[p] == 0) continue;
+  const auto touches = [this](const Pressed& point) { return height_at(point.place, x_) > point.z; };
+  for (const Pressed& point : pressed_) {
+    if (!touches(point)) continue;
     held += config_.tool_stiffness;
-    for (std::size_t k = 0; k < 3; ++k) gradient_[pressed_[p].place.nodes[k]].z -= config_.tool_stiffness * pressed_[p].place.weights[k];
+    for (std::size_t k = 0; k < 3; ++k) gradient_[point.place.nodes[k]].z -= config_.tool_stiffness * point.place.weights[k];
   }
   hold_rim(gradient_);
-  solve(gradient_, direction_, 1e-3);
-  for (std::size_t p = 0; p < pressed_.size(); ++p)
-    if (pressing_[p] != 0) held += config_.tool_stiffness * height_at(pressed_[p].place, direction_);
+  solve(gradient_, give_, 1e-3);
+  // b . x + r . x, r = b - A x what is left: its error is the square of that of x, whatever x started from.
+  held -= dot(gradient_, give_) + dot(residual_, give_);
   state_.stiffness = std::max(0.0, held);
 }
 

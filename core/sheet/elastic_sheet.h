@@ -16,6 +16,7 @@
 ///   Source  stiffness of the lattice: Seung & Nelson 1988; the rest is our own derivation.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -82,23 +83,34 @@ class ElasticSheet {
   ElasticSheet(const SheetConfig& config, SheetLattice lattice);
   struct Pressed {  // a point of the tool over the sheet
     SheetLattice::Place place;
+    std::array<std::uint32_t, 3> edges;  // opposite to the nodes
     double z;
+  };
+  struct Symmetric {  // 3 x 3
+    double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+    [[nodiscard]] Vec3 operator*(const Vec3& v) const noexcept {
+      return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
+    }
   };
   using Field = std::vector<Vec3>;
   void find_pressed(std::span<const Vec3> points);
   [[nodiscard]] double height_at(const SheetLattice::Place& place, const Field& x) const noexcept;
   [[nodiscard]] double energy(const Field& x) noexcept;
   [[nodiscard]] double merit(const Field& x, double per_dt, double pressure) noexcept;
-  void slope(const Field& x, double per_dt, double pressure, Field& out) noexcept;
+  double slope(const Field& x, double per_dt, double pressure, Field& out) noexcept;
   void curve(const Field& x, double per_dt);  // second derivatives at x
+  void invert_diagonal() noexcept;
   void times(const Field& in, Field& out) const noexcept;
+  /// @param out where to start; receives the solution.
   void solve(const Field& right, Field& out, double tolerance);
   /// @returns the k-th neighbour; beyond the rim, which is clamped, that of the mirrored sheet, or none.
   [[nodiscard]] std::uint32_t beside(std::size_t node, std::size_t k) const noexcept;
-  /// @returns the sum over the neighbours of (u_j - u_i).
-  [[nodiscard]] Vec3 bend(const Field& u, std::size_t node) const noexcept;
-  void add_bending(const Field& u, Field& out) const noexcept;
+  void assemble_bending();
+  /// @returns the force [N] of bending at a free node, for displacements that are 0 on the rim.
+  [[nodiscard]] Vec3 bending_at(const Field& u, std::size_t node) const noexcept;
   void hold_rim(Field& out) const noexcept;
+  /// Starts from where the motion of the last step leads, if the merit is lower there.
+  void predict(double per_dt, double pressure);
   void break_edges() noexcept;
   void come_off() noexcept;
   void measure();
@@ -106,17 +118,21 @@ class ElasticSheet {
   SheetConfig config_;
   SheetLattice lattice_;
   double edge_stiffness_, bending_;  // [N/m]; [N/m] of the sum of differences
-  Field rest_, x_, before_;
+  Field rest_, x_, before_, moved_;   // moved_: by the last step
+  std::vector<std::uint32_t> rim_;    // nodes
+  // Second derivative of bending on the free nodes, the same in x, y and z: of each row the columns and values [N/m]. Constant.
+  std::vector<std::uint32_t> bend_first_, bend_column_;
+  std::vector<double> bend_value_;
   std::vector<double> length_;        // [m] l0
   std::vector<std::uint8_t> broken_;  // edges
   std::vector<std::uint8_t> sticks_, under_bone_;
   std::vector<Pressed> pressed_;
-  // Second derivatives: of edges, and what is diagonal at nodes.
-  std::vector<Mat3> edge_curve_;
-  std::vector<double> all_, up_;        // [N/m] of a node: in all directions; along z
-  std::vector<std::uint8_t> pressing_;  // points of pressed_ that touch
+  // Second derivatives: of edges, with the points of the tool between their nodes, and what is diagonal at nodes.
+  std::vector<Symmetric> edge_curve_;
+  std::vector<double> all_, up_;  // [N/m] of a node: in all directions; along z
   Field gradient_, direction_, trial_, residual_, search_, product_, shift_, preconditioned_;
-  std::vector<Mat3> diagonal_;  // inverse blocks
+  Field give_;                       // [-] displacement per way of the tool, of the last step with a force
+  std::vector<Symmetric> diagonal_;  // inverse blocks
   SheetState state_;
   std::uint64_t iterations_ = 0;
 };

@@ -60,6 +60,14 @@ class ComparingSink final : public FrameSink {
         if (Status set = one->set_detail(view); !set) return set;
     return {};
   }
+  Status set_added(const std::shared_ptr<const AddedMesh>& mesh) override {
+    ++added;
+    triangles = mesh == nullptr ? 0 : mesh->triangles.size();
+    for (Way& way : ways)
+      for (Renderer* one : {way.kept.get(), way.whole.get()})
+        if (Status set = one->set_added(mesh); !set) return set;
+    return {};
+  }
   void forget() override {
     ++forgotten;
     for (Way& way : ways) way.kept->forget();
@@ -83,7 +91,8 @@ class ComparingSink final : public FrameSink {
   }
 
   std::vector<Way> ways;
-  int boxes = 0, forgotten = 0, pictures = 0, changed = 0;
+  int boxes = 0, forgotten = 0, pictures = 0, changed = 0, added = 0;
+  std::size_t triangles = 0;  ///< of what effects add
   std::size_t sent = 0, largest_parcel = 0;  ///< [texels]
 };
 
@@ -189,6 +198,43 @@ TEST_CASE("drilled frames: the same for a bone in two levels") {
   std::vector<Way> ways = all_ways();
   for (Way& way : ways) way.name += "-two-levels";
   check_kept_pictures(std::move(ways), {"display.whole_voxels=4000", "display.detail_mm=4.4"});
+}
+
+TEST_CASE("drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is added") {
+  const auto run_with = [](const std::string& dura, auto&& look) {
+    ComparingSink sink({{.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}},
+                        {.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true},
+                        {.name = "dura-mesh", .options = {.mesh = true}, .tool = false},
+                        {.name = "dura-slices", .options = {.slices = SliceOptions{}}}});
+    const SmallScene scene{.volume = kInnerTableKeys,
+                           .display = true,
+                           .sets = {"duration_s=5.0", "tool.erosion_scale=5", "volume.extent_mm=[14.0, 14.0, 8.0]", "volume.spacing_mm=0.5",
+                                    "volume.dura_mm=1.0", "volume.thickness_mm=2.5", "volume.inner_table_mm=2.5", "display.size=[120,90]",
+                                    "hand.reaction_ms=600"}};
+    const LoadedScene loaded = load_text(scene_text(scene) + dura, scene.sets);
+    DrillRun* running = nullptr;
+    int tick = 0;
+    WatchedHand hand(loaded, [&] {
+      if (++tick % 100 != 0) return;
+      Simulation& simulation = running->simulation();
+      simulation.stage().gather(true);
+      REQUIRE(simulation.stage().draw("tick", simulation.contact_state().world_from_tool, false).ok());
+    });
+    DrillRun run(loaded, {.sink = &sink, .hand = &hand, .history = true});
+    running = &run;
+    run.run();
+    look(run, sink);
+  };
+  run_with("[dura]\nradius_mm = 5\nspacing_mm = 0.6\nstrain_limit = 0.02\n", [](DrillRun& run, ComparingSink& sink) {
+    CHECK(figure(run.simulation(), "dura", "torn_edges") > 0.0);
+    CHECK(sink.added > 3);
+    const std::size_t torn = sink.triangles;
+    REQUIRE(run.simulation().stage().reset());
+    run.simulation().stage().gather(true);
+    REQUIRE(run.simulation().stage().draw("reset", {}, false).ok());
+    CHECK(sink.triangles > torn);
+  });
+  run_with("", [](DrillRun&, ComparingSink& sink) { CHECK(sink.added == 0); });
 }
 
 TEST_CASE("drilled frames: a budget spreads the texels over pictures, and the last ones show all that was drilled") {

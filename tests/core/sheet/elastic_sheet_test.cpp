@@ -180,6 +180,79 @@ TEST_CASE("sheet: a stamp pressed into it meets the derivative of its energy, an
   }
 }
 
+TEST_CASE("sheet: its energy is that of a plain sum over edges and nodes; a sum without the mirrored rim is noticed") {
+  SheetConfig config;
+  config.strain_limit = 1.0;
+  config.adhesion = 0.0;
+  ElasticSheet sheet = flat(config, 0.8e-3);
+  const SheetLattice& lattice = sheet.lattice();
+  std::vector<Vec3> spikes;
+  for (const double x : {-6.3e-3, -3e-3, 1e-3, 5.9e-3}) spikes.emplace_back(x, 0.2 * x + 0.5e-3, -0.6e-3);
+  // The sum of elastic_sheet.h, term by term; the matrices of the step are not in it.
+  const auto twin = [&](bool mirrored) {
+    const double s = lattice.spacing(), area = lattice.area();
+    const double d = config.modulus * std::pow(config.thickness, 3) / (12.0 * (1.0 - 1.0 / 9.0));
+    const double stiffness = std::sqrt(3.0) / 2.0 * config.modulus * config.thickness;
+    double sum = 0.0;
+    for (const SheetEdge& edge : lattice.edges()) {
+      const double longer =
+          glm::length(sheet.position(edge.a) - sheet.position(edge.b)) - glm::length(sheet.rest(edge.a) - sheet.rest(edge.b));
+      sum += 0.5 * stiffness * longer * longer;
+    }
+    const auto moved = [&](std::size_t n) { return sheet.position(n) - sheet.rest(n); };
+    for (std::size_t n = 0; n < lattice.nodes(); ++n) {
+      Vec3 bent(0.0);
+      for (std::size_t k = 0; k < 6; ++k) {
+        std::uint32_t other = lattice.neighbours(n)[k];
+        if (other == SheetLattice::kNoNode && mirrored) other = lattice.neighbours(n)[(k + 3) % 6];
+        if (other != SheetLattice::kNoNode) bent += moved(other) - moved(n);
+      }
+      const Vec3 curvature = 2.0 / (3.0 * s * s) * bent;
+      sum += (lattice.on_rim(n) ? 0.5 : 1.0) * 0.5 * d * area * glm::dot(curvature, curvature);
+      sum += 0.5 * area * config.support * moved(n).z * moved(n).z;
+    }
+    for (const Vec3& spike : spikes) {
+      const auto place = lattice.find(spike.x, spike.y);
+      REQUIRE(place);
+      double z = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) z += place->weights[k] * sheet.position(place->nodes[k]).z;
+      sum += 0.5 * config.tool_stiffness * std::pow(std::max(0.0, z - spike.z), 2);
+    }
+    return sum;
+  };
+  for (int n = 0; n < 5; ++n) {
+    const double energy = sheet.step(0.02, {.tool_points = spikes}).energy;
+    REQUIRE(energy > 1e-6);
+    CHECK(energy == doctest::Approx(twin(true)).epsilon(1e-10));  // rounding of some thousand terms
+    CHECK_FALSE(energy == doctest::Approx(twin(false)).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("sheet: its equilibrium does not depend on how the tool came there, to what a step may leave") {
+  SheetConfig config;
+  config.strain_limit = 1.0;
+  std::vector<Vec3> stamp;
+  for (int i = -4; i <= 4; ++i)
+    for (int j = -4; j <= 4; ++j) stamp.emplace_back(0.4e-3 * i, 0.4e-3 * j, 0.0);
+  // At once, slowly, and from below: the starts of Newton's method and of the stiffness differ.
+  std::vector<SheetState> found;
+  for (const std::vector<double>& depths : {std::vector{1.2e-3}, {0.3e-3, 0.6e-3, 0.9e-3, 1.2e-3}, {1.8e-3, 1.5e-3, 1.2e-3}}) {
+    ElasticSheet sheet = flat(config, 0.8e-3);
+    for (const double depth : depths) {
+      for (Vec3& p : stamp) p.z = -depth;
+      (void)sheet.step(0.02, {.tool_points = stamp});
+    }
+    settle(sheet, {.tool_points = stamp});
+    found.push_back(sheet.state());
+  }
+  for (const SheetState& state : found) {
+    // A step leaves forces of 1e-4 of the tool's.
+    CHECK(state.force == doctest::Approx(found[0].force).epsilon(1e-3));
+    CHECK(state.stiffness == doctest::Approx(found[0].stiffness).epsilon(1e-2));
+    CHECK(std::abs(state.indentation - found[0].indentation) < 1e-6);
+  }
+}
+
 TEST_CASE("sheet: its energy never grows without load, at steps of 1 to 100 ms and any start; it ends where it was") {
   std::mt19937 random(11);
   MESSAGE("seed 11");

@@ -1,0 +1,42 @@
+/// app/effect/dura_picture.h: the sheet of [dura] as pictures show it: a smooth shell with the thickness of dura, open where it is torn, and the
+/// brain below it.
+///   The dura and brain of the bone as loaded are shown below the shell alone: the sheet replaces their upper face within its radius.
+///   Frame  bone frame.   Units  m.   Errors  none.   Thread  as PictureSource.
+#pragma once
+
+#include <vector>
+
+#include "app/view/added_mesh.h"
+#include "core/sheet/elastic_sheet.h"
+
+namespace burrhole {
+
+class DuraPicture final : public PictureSource, public SoftTop {
+ public:
+  /// @param sheet must outlive this. @param thickness [m] of the dura. @param edge [m] of a voxel.
+  DuraPicture(const ElasticSheet& sheet, const Pose& bone_from_sheet, double thickness, double edge);
+
+  [[nodiscard]] bool copy_for_picture() override;
+  void append_mesh(AddedMesh& out) const override;
+  [[nodiscard]] const SoftTop* soft_top() const override { return this; }
+  [[nodiscard]] double shown(const Vec3& p_bone, double edge) const override;
+  [[nodiscard]] Bounds changed() const override { return changed_; }
+  [[nodiscard]] Bounds extent() const override { return extent_; }
+
+ private:
+  [[nodiscard]] bool is_whole(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept;
+  template <class F>
+  void for_each_triangle(F&& f) const;
+  void find_normals();
+  void lower_soft(const std::vector<double>& wanted);
+
+  const ElasticSheet* sheet_;
+  Pose bone_from_sheet_, sheet_from_bone_;
+  double thickness_, edge_;
+  std::vector<Vec3> x_, normals_;     // [m], [-] of the last copy, sheet frame
+  std::vector<std::uint8_t> broken_;  // edges of the last copy
+  std::vector<double> top_;           // [m] z below which soft tissue is shown at each node
+  Bounds changed_ = Bounds::none(), extent_ = Bounds::none();
+};
+
+}  // namespace burrhole

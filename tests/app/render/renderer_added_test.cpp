@@ -1,0 +1,221 @@
+// Triangles that effects add: their colour in closed form, their order with bone, tool and cut, and what of a picture is drawn anew.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "app/view/added_mesh.h"
+#include "app/view/camera.h"
+#include "tests/app/render/render_scenes.h"
+#include "tests/support/image_compare.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr std::uint64_t kAll = std::uint64_t{kWidth} * kHeight;
+constexpr Rgba8 kRed{200, 40, 30, 0};
+
+/// A square of edge 2 half round `middle`, across z.
+std::shared_ptr<AddedMesh> square_at(const Vec3& middle, double half, const Rgba8& color = kRed) {
+  auto out = std::make_shared<AddedMesh>();
+  for (const auto& [x, y] : {std::pair{-half, -half}, std::pair{half, -half}, std::pair{half, half}, std::pair{-half, half}}) {
+    out->vertices.emplace_back(middle + Vec3(x, y, 0.0));
+    out->colors.push_back(color);
+  }
+  out->triangles = {{0, 1, 2}, {0, 2, 3}};
+  return out;
+}
+
+/// From straight above, by ambient light alone: what is added has 0.6 of its colour, below the bend of the tone curve.
+FrameView view_from_above() {
+  FrameView view = oblique_view();
+  view.camera = {.eye = {0.0, 0.0, 0.1}, .target = Vec3(0.0), .up = {0.0, 1.0, 0.0}, .vertical_fov = 0.4};
+  view.light = {.ambient = 0.6, .diffuse = 0.0, .fill = 0.0, .direction_to_light = {0.0, 0.0, 1.0}};
+  return view;
+}
+
+Image picture_of(Renderer& renderer, const FrameView& view) {
+  auto image = renderer.draw(view, kWidth, kHeight);
+  REQUIRE(image.ok());
+  return std::move(image).value();
+}
+
+bool is_added(const Rgba8& p) {
+  const auto near = [](int level, int full) { return std::abs(level - 0.6 * full) <= 1.0; };
+  return near(p.r, kRed.r) && near(p.g, kRed.g) && near(p.b, kRed.b);
+}
+
+int count_added(const Image& image) {
+  int out = 0;
+  for (const Rgba8& p : image.pixels) out += is_added(p) ? 1 : 0;
+  return out;
+}
+
+/// [pixels] of a square at a height, seen from straight above.
+double area_of(double half, double height) {
+  const double pixel = 2.0 * std::tan(0.2) * (0.1 - height) / kHeight;
+  return 4.0 * half * half / (pixel * pixel);
+}
+
+std::vector<std::pair<const char*, RenderOptions>> methods() {
+  const TransferFunction haze{{.density = 0.2, .extinction = 0.0}, {.density = 1.0, .extinction = 300.0}};
+  return {{"rays", {.finish = false}},
+          {"rays-smooth", {.appearance = {.tissue = true, .occlusion = true}, .supersample = 2}},
+          {"shadow", {.appearance = {.shadow = true}}},
+          {"mesh", {.mesh = true}},
+          {"slices", {.slices = SliceOptions{}}},
+          {"translucent", {.translucent = haze}}};
+}
+
+}  // namespace
+
+TEST_CASE("added: over bone it has its colour and the pixels of its projection, from both sides; behind bone it is hidden") {
+  for (const bool mesh : {false, true}) {
+    CAPTURE(mesh);
+    Renderer renderer = require_renderer({.mesh = mesh});
+    REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+    const Image bare = picture_of(renderer, view_from_above());
+    CHECK(count_added(bare) == 0);
+    for (const bool turned : {false, true}) {
+      const auto before = square_at({1e-3, 0.0, 12e-3}, 3e-3);
+      if (turned) std::swap(before->triangles[0][1], before->triangles[0][2]), std::swap(before->triangles[1][1], before->triangles[1][2]);
+      REQUIRE(renderer.set_added(before).ok());
+      // A pixel is drawn if its centre is inside: at most half of those on the edge are wrong.
+      const double area = area_of(3e-3, 12e-3);
+      CHECK(std::abs(count_added(picture_of(renderer, view_from_above())) - area) < 2.0 * std::sqrt(area));
+    }
+    // Inside the ball, and below the plate.
+    for (const double height : {2e-3, -14e-3}) {
+      REQUIRE(renderer.set_added(square_at({1e-3, 0.0, height}, 3e-3)).ok());
+      CHECK(picture_of(renderer, view_from_above()).pixels == bare.pixels);
+    }
+    // A square through the ball is seen outside of its circle of 8 mm.
+    REQUIRE(renderer.set_added(square_at({1e-3, 0.0, 2e-3}, 9e-3)).ok());
+    const double ring = area_of(9e-3, 2e-3) * (1.0 - 3.14159265 * 64.0 / 324.0);
+    CHECK(std::abs(count_added(picture_of(renderer, view_from_above())) - ring) < 0.1 * ring);
+    REQUIRE(renderer.set_added(nullptr).ok());
+    CHECK(picture_of(renderer, view_from_above()).pixels == bare.pixels);
+  }
+}
+
+TEST_CASE("added: a shader that leaves out the depth of bone is noticed") {
+  const std::string folder = changed_shaders("added", "added.frag", "discard;   // w is", "bone = 0.0;   // w is");
+  Renderer renderer = require_renderer({.finish = false, .shader_folder = folder});
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  REQUIRE(renderer.set_added(square_at({1e-3, 0.0, 2e-3}, 3e-3)).ok());
+  CHECK(count_added(picture_of(renderer, view_from_above())) > 100);
+}
+
+TEST_CASE("added: the nearer of tool and triangles is seen, and the cut clips triangles") {
+  Renderer renderer = require_renderer();
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  REQUIRE(renderer.set_tool(square(3e-3, 0.0)).ok());
+  REQUIRE(renderer.set_added(square_at({0.0, 0.0, 14e-3}, 3e-3)).ok());
+  FrameView view = view_from_above();
+  const int all = count_added(picture_of(renderer, view));
+  CHECK(all > 500);
+  view.world_from_tool = Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, 12e-3)};  // behind
+  CHECK(count_added(picture_of(renderer, view)) == all);
+  view.world_from_tool->translation.z = 16e-3;  // before, and by its perspective larger
+  CHECK(count_added(picture_of(renderer, view)) == 0);
+  view.world_from_tool.reset();
+  view.cut = FrameView::Cut{Vec3(0.0, -1.0, 0.0), 0.0};  // y < 0 is clipped
+  const int half = count_added(picture_of(renderer, view));
+  CHECK(std::abs(2 * half - all) <= 2.0 * std::sqrt(all));
+  view.cut.reset();
+  view.world_from_bone.translation.z = -40e-3;  // it moves with the bone
+  CHECK(std::abs(count_added(picture_of(renderer, view)) - area_of(3e-3, -26e-3)) < 2.0 * std::sqrt(area_of(3e-3, -26e-3)));
+}
+
+TEST_CASE("added: whatever is drawn and however, the pixels of the old and the new triangles give the bytes of a whole picture") {
+  for (const auto& [name, options] : methods()) {
+    CAPTURE(name);
+    RenderOptions without = options;
+    without.keep_picture = false;
+    Renderer kept = require_renderer(options), whole = require_renderer(without);
+    for (Renderer* one : {&kept, &whole}) {
+      REQUIRE(one->set_volume(ball_on_plate()).ok());
+      REQUIRE(one->set_tool(square(2e-3, 0.0)).ok());
+    }
+    FrameView view = oblique_view();
+    const auto drawn = [&] { return kept.counters().drawn_pixels + kept.counters().tool_pixels; };
+    const auto draw = [&](const std::string& what) {
+      const std::uint64_t before = drawn();
+      const Image by_parts = picture_of(kept, view), at_once = picture_of(whole, view);
+      CHECK(pictures_agree("added-" + std::string(name) + "-" + what, by_parts, at_once, {}));
+      return drawn() - before;
+    };
+    const auto set = [&](const std::shared_ptr<const AddedMesh>& mesh) {
+      REQUIRE(kept.set_added(mesh).ok());
+      REQUIRE(whole.set_added(mesh).ok());
+    };
+    (void)draw("bare");
+    set(square_at({1e-3, 0.0, 11e-3}, 2e-3));
+    (void)draw("first");
+    CHECK(draw("still") == 0);
+    set(square_at({-3e-3, 2e-3, 9e-3}, 2e-3));
+    CHECK(draw("moved") < kAll / 3);
+    set(square_at({-3e-3, 2e-3, 9e-3}, 2e-3, {30, 200, 90, 255}));
+    const std::uint64_t recoloured = draw("recoloured");
+    CHECK(recoloured > 0);
+    CHECK(recoloured < kAll / 4);
+    view.world_from_tool = Pose{Quat(0.98, 0.1, 0.05, 0.0), Vec3(-3e-3, 1e-3, 9.2e-3)};  // through the square
+    set(square_at({-2e-3, 2e-3, 9e-3}, 2e-3));
+    CHECK(draw("tool") < kAll);
+    const VoxelBox pit{{32, 16, 40}, {42, 26, 52}};
+    for (Renderer* one : {&kept, &whole})
+      one->update({pit, std::vector<Rgba8>(pit.count(), Rgba8{128, 128, 255, 0}), std::vector<std::uint16_t>(pit.count(), 0)});
+    (void)draw("pit");
+    view.cut = FrameView::Cut{{0.0, -1.0, 0.0}, 0.0};
+    (void)draw("cut");
+    set(square_at({1e-3, 0.5e-3, 4e-3}, 6e-3));
+    (void)draw("cut-moved");
+    view.world_from_tool.reset();
+    set(nullptr);
+    (void)draw("gone");
+  }
+}
+
+TEST_CASE("added: a picture that is drawn in steps ends as one drawn at once") {
+  Renderer by_steps = require_renderer({.finish = false}), at_once = require_renderer({.finish = false});
+  for (Renderer* one : {&by_steps, &at_once}) {
+    REQUIRE(one->set_volume(ball_on_plate()).ok());
+    REQUIRE(one->set_added(square_at({1e-3, 0.0, 11e-3}, 2e-3)).ok());
+  }
+  (void)picture_of(by_steps, oblique_view());
+  FrameView view = oblique_view();
+  view.camera.eye.x += 2e-3;
+  REQUIRE(by_steps.draw_step(view, 4 * kWidth, 4 * kHeight, 0.0).ok());
+  for (Renderer* one : {&by_steps, &at_once}) REQUIRE(one->set_added(square_at({-2e-3, 0.0, 11e-3}, 2e-3)).ok());
+  std::optional<PictureStep> last;
+  for (int n = 0; n < 20 && !(last && last->whole); ++n) {
+    auto step = by_steps.draw_step(view, 4 * kWidth, 4 * kHeight, 0.0);
+    REQUIRE(step.ok());
+    last = std::move(step).value();
+  }
+  REQUIRE((last && last->whole));
+  const auto expected = at_once.draw(view, 4 * kWidth, 4 * kHeight);
+  REQUIRE(expected.ok());
+  CHECK(pictures_agree("added-steps", last->image, *expected, {}));
+}
+
+TEST_CASE("added: wrong triangles are refused with a reason, and the old ones are kept") {
+  Renderer renderer = require_renderer();
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  REQUIRE(renderer.set_added(square_at({1e-3, 0.0, 12e-3}, 3e-3)).ok());
+  const Image before = picture_of(renderer, view_from_above());
+  const auto refused = [&](auto&& spoil) {
+    const auto mesh = square_at({1e-3, 0.0, 12e-3}, 1e-3);
+    spoil(*mesh);
+    const Status set = renderer.set_added(mesh);
+    return !set.ok() && set.error().code == ErrorCode::bad_input && !set.error().message.empty();
+  };
+  CHECK(refused([](AddedMesh& m) { m.triangles.clear(); }));
+  CHECK(refused([](AddedMesh& m) { m.colors.pop_back(); }));
+  CHECK(refused([](AddedMesh& m) { m.triangles[1][2] = 4; }));
+  CHECK(refused([](AddedMesh& m) { m.vertices[2].y = std::numeric_limits<float>::quiet_NaN(); }));
+  CHECK(picture_of(renderer, view_from_above()).pixels == before.pixels);
+}
