@@ -11,6 +11,7 @@
 #include "app/stage/bleeding_state.h"
 #include "app/stage/coolant.h"
 #include "app/stage/stage.h"
+#include "app/view/blood_mesh.h"
 #include "core/base/units.h"
 #include "core/blood/blood_pool.h"
 #include "core/config/rules.h"
@@ -23,6 +24,11 @@ constexpr double kMillilitrePerMinute = kMillilitre / 60.0;  // [m^3/s]
 constexpr double kLeastFlow = 0.01 * kMillilitrePerMinute;   // below which it has stopped
 constexpr double kBeyond = 2e-3;                             // [m] beyond the ends of the drilled line, in which bone is read
 const Vec3 kTiny(0.0, 0.0, -1e-30);                          // [m] so that a line without a length has a direction
+
+constexpr double kWetFilm = 1e-3;                       // [m] of blood on the opened pores that is drawn as full beads
+constexpr double kSeenLevel = 1e-5, kSeenShare = 0.02;  // [m], [-] changes that are drawn
+
+constexpr std::uint64_t kPictureBytes = sizeof(float) + sizeof(std::uint16_t) + 1;  // of a voxel in BloodPicture
 
 enum class Wax { none, after, drilled };
 
@@ -37,7 +43,7 @@ struct BleedingScene {
   std::optional<Vec3> down{};  ///< [-] world frame
 };
 
-class BleedingEffect final : public Effect {
+class BleedingEffect final : public Effect, public PictureSource {
  public:
   BleedingEffect(const BleedingScene& scene, BloodSite site, Stage& stage)
       : scene_(scene),
@@ -112,6 +118,28 @@ class BleedingEffect final : public Effect {
       out.push_back(fmt::format("[bleeding] blood hid the floor of the hole for {:.1f} s; {:.2g} ml bled", hidden_,
                                 pool_.volumes().bled / kMillilitre));
   }
+  PictureSource* picture_source() noexcept override { return this; }
+  bool copy_for_picture() override {
+    const BloodVolumes& v = pool_.volumes();
+    const double blood = v.hole > 0.0 ? v.hole / v.in_hole() : 0.0;
+    const double pores = site_.open_pores() + site_.waxed_pores();
+    const double wetness = pores > 0.0 ? std::min(1.0, v.film / (pores * kWetFilm)) : 0.0;
+    const bool moved = std::abs(pool_.level() - picture_.level) > kSeenLevel || std::abs(blood - picture_.blood) > kSeenShare ||
+                       std::abs(wetness - picture_.wetness) > kSeenShare;
+    if (!bone_moved_ && !moved) return false;
+    if (bone_moved_) {
+      picture_.removed.assign(site_.removed().begin(), site_.removed().end());
+      picture_.pore_area.assign(site_.pore_area().begin(), site_.pore_area().end());
+      picture_.waxed.assign(site_.waxed().begin(), site_.waxed().end());
+    }
+    bone_moved_ = false;
+    picture_.level = pool_.level();
+    picture_.blood = blood;
+    picture_.wetness = wetness;
+    picture_.hide = scene_.hide;
+    return true;
+  }
+  void append_mesh(AddedMesh& out) const override { append_blood(site_.bone(), picture_, out); }
 
  private:
   void run(const Tick& tick) noexcept {
@@ -140,6 +168,7 @@ class BleedingEffect final : public Effect {
       if (idle_ < scene_.wax_time || !(site_.open_pores() > 0.0)) return;
     }
     (void)site_.wax(scene_.wax_depth);
+    bone_moved_ = true;
     ++waxings_;
   }
   /// @returns the saline [m^3/s] that flows into the hole: all of it, if the tip is near enough to the drilled line.
@@ -158,6 +187,7 @@ class BleedingEffect final : public Effect {
   }
   void read_bone(const VoxelBox& box) {
     if (box.empty()) return;
+    bone_moved_ = true;
     const auto density = std::span(density_).first(box.grown(1).count());
     voxmap_->read_density(box.grown(1), density);
     site_.update(box, density, time_, scene_.blood.coagulation);
@@ -178,6 +208,8 @@ class BleedingEffect final : public Effect {
   double peak_ = 0.0, highest_ = 0.0;     // [m^3/s], [m]
   double bleeding_ = 0.0, hidden_ = 0.0;  // [s]
   std::uint64_t waxings_ = 0;
+  BloodPicture picture_;    // the last copy
+  bool bone_moved_ = true;  // or its wax, since that copy
   double seen_level_ = 0.0, seen_hidden_ = 0.0;
   const Cut* cut_ = nullptr;
   const double* asked_ = nullptr;  // [rev/s]
@@ -226,6 +258,8 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
   PlanRow row(const PlanContext& context) const override {
     const VoxelBox box = box_of(drilling_way(context.config, context.bone), context.bone.bone_from_index, context.bone.dims);
     const std::uint64_t voxels = box.count();
+    const std::uint64_t bytes =
+        sizeof(BleedingEffect) + BloodSite::bytes_of(voxels) + box.grown(1).count() * sizeof(float) + voxels * kPictureBytes;
     return {
         .table = "bleeding",
         .clock = Clock::simulation,
@@ -234,7 +268,8 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
         .gives = "level of blood in the hole",
         .detail = fmt::format("{} voxels, {:g} kPa, {:g} s to coagulate", voxels, config_.blood.pressure * 1e-3, config_.blood.coagulation),
         .rate_hz = static_cast<double>(context.needs.simulation_hz),
-        .bytes = sizeof(BleedingEffect) + BloodSite::bytes_of(voxels) + box.grown(1).count() * sizeof(float)};
+        .bytes = bytes,
+        .start_bytes = bytes + voxels * 2 * sizeof(float)};
   }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     if (!context.needs.removes) out.push_back("[bleeding] without [erosion]: no bone is opened, so nothing bleeds");

@@ -23,10 +23,14 @@ struct BloodConfig {
   double suction = 0.0;           ///< [m^3/s]
 };
 
-/// All in m^3. bled, rinsed, sucked, overflowed: since the start.
 struct BloodVolumes {
-  double bled = 0.0, hole = 0.0, film = 0.0, rinsed = 0.0, sucked = 0.0, overflowed = 0.0;
-  double saline = 0.0;  ///< in the hole
+  double bled = 0.0;        ///< [m^3] since the start
+  double hole = 0.0;        ///< [m^3] blood in the hole now
+  double saline = 0.0;      ///< [m^3] saline in the hole now
+  double film = 0.0;        ///< [m^3] on bone now
+  double rinsed = 0.0;      ///< [m^3] since the start
+  double sucked = 0.0;      ///< [m^3] since the start
+  double overflowed = 0.0;  ///< [m^3] since the start
   [[nodiscard]] double in_hole() const noexcept { return hole + saline; }
   /// @returns what the balance lacks [m^3].
   [[nodiscard]] double missing() const noexcept { return bled - hole - film - rinsed - sucked - overflowed; }

@@ -35,7 +35,7 @@ BloodSite::BloodSite(SiteBone bone) : bone_(std::move(bone)) {
   rim_.assign(count, kNone);
   removed_.assign(count, 0);
   area_.assign(count, 0.0f);
-  opened_.assign(count, 0.0f);
+  opened_.assign(count, 0.0);
   cut_.assign(count, 0.0f);
   waxed_.assign(count, 0);
   for_each_voxel(box, [&](const Vec3i& voxel) {
@@ -86,10 +86,9 @@ void BloodSite::set_source(std::size_t at, double area, double now, double coagu
   if (waxed_[at] != 0) {
     waxed_pores_ += static_cast<double>(pores) - before;
   } else {
-    const double age = now - static_cast<double>(opened_[at]);
-    if (before > 0.0) layer.pores -= before * portable_exp(-age / coagulation);
-    opened_[at] = static_cast<float>(now);
-    layer.pores += static_cast<double>(pores) * portable_exp(-(now - static_cast<double>(opened_[at])) / coagulation);
+    if (before > 0.0) layer.pores -= before * portable_exp(-(now - opened_[at]) / coagulation);
+    opened_[at] = now;
+    layer.pores += static_cast<double>(pores);
     layer.sources += static_cast<std::int64_t>(pores > 0.0f) - static_cast<std::int64_t>(before > 0.0);
     open_pores_ += static_cast<double>(pores) - before;
     if (layer.sources == 0) layer.pores = 0.0;
@@ -155,7 +154,7 @@ void BloodSite::unwax(double now, double coagulation) noexcept {
     waxed_[at] = 0;
     if (!(area_[at] > 0.0f)) continue;
     const auto pores = static_cast<double>(area_[at]);
-    layers_[layer_[at]].pores += pores * portable_exp(-(now - static_cast<double>(opened_[at])) / coagulation);
+    layers_[layer_[at]].pores += pores * portable_exp(-(now - opened_[at]) / coagulation);
     ++layers_[layer_[at]].sources;
     waxed_pores_ -= pores;
     open_pores_ += pores;

@@ -72,7 +72,7 @@ class BloodSite {
   [[nodiscard]] double height_of(const Vec3& index) const noexcept { return glm::dot(up_index_, index) + up_offset_; }
   static constexpr std::uint16_t kWhole = 65535;
   [[nodiscard]] static std::size_t bytes_of(std::size_t voxels) noexcept {
-    return voxels * (6 * sizeof(float) + 3 * sizeof(std::uint16_t) + 2);
+    return voxels * (5 * sizeof(float) + sizeof(double) + 3 * sizeof(std::uint16_t) + 2);
   }
 
  private:
@@ -98,9 +98,9 @@ class BloodSite {
   std::vector<Layer> layers_;
   std::vector<std::uint16_t> layer_, rim_;  // of each voxel; of its lowest way to the outside, or kNone
   std::vector<std::uint16_t> removed_;
-  std::vector<float> area_;    // [m^2]
-  std::vector<float> opened_;  // [s]
-  std::vector<float> cut_;     // [m^2] area of the cut, pores or not
+  std::vector<float> area_;     // [m^2]
+  std::vector<double> opened_;  // [s] when its surface last changed
+  std::vector<float> cut_;      // [m^2] area of the cut, pores or not
   std::vector<std::uint8_t> waxed_;
   bool has_pores_ = false;
   double open_pores_ = 0.0, waxed_pores_ = 0.0, cut_spongy_ = 0.0;
