@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
+CORE = ACTING + ["core/blood", "core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -26,6 +26,7 @@ RUN = SCENE + ["app/session", "app/run"]
 JOB = RUN + ["app/report", "app/job"]
 SEES = {
     "core/base": [],
+    "core/blood": BASE,
     "core/config": BASE,
     "core/voxel": BASE,
     "core/tool": CONFIG,

@@ -4,19 +4,25 @@
 #include <array>
 
 #include "app/run/live_rows.h"
+#include "app/stage/bleeding_state.h"
 #include "app/stage/dura_state.h"
 #include "app/stage/zone_state.h"
 
 namespace burrhole {
 namespace {
 
-constexpr std::array<const char*, 3> kZoneTexts{"clear", "near", "inside"}, kDuraTexts{"clear", "pressed", "torn"};
+constexpr std::array<const char*, 3> kZoneTexts{"clear", "near", "inside"}, kDuraTexts{"clear", "pressed", "torn"},
+    kBleedingTexts{"stopped", "started", "stopped by wax"};
+constexpr std::array<const char*, 2> kFloorTexts{"seen", "hidden by blood"};
 
 struct Known {
   const char *column, *kind;
   std::span<const char* const> texts;
 };
-constexpr Known kKnown[] = {{kZoneLevelColumn, "zone", kZoneTexts}, {kDuraLevelColumn, "dura", kDuraTexts}};
+constexpr Known kKnown[] = {{kZoneLevelColumn, "zone", kZoneTexts},
+                            {kDuraLevelColumn, "dura", kDuraTexts},
+                            {kBleedingColumn, "bleeding", kBleedingTexts},
+                            {kFloorHiddenColumn, "floor", kFloorTexts}};
 
 /// @returns the place of a column of the contact clock; nothing if there is none.
 std::optional<std::size_t> contact_column(const StepGraph& graph, std::string_view name) {

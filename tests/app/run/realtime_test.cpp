@@ -175,12 +175,12 @@ TEST_CASE("real time: a bit that vibrates by its chips, and the drilling force")
   check_clean(drive(load_small(pressed(kHeldKeys, {"vibration.source=\"chips\"", "vibration.drilling_force={}"}))));
 }
 
-TEST_CASE("real time: zones with guidance, and the dura") {
+TEST_CASE("real time: zones with guidance, the dura, and blood") {
   covers("core/zone/distance_field.h: at", "haptics/servo/passive_force.h: operator()", "haptics/servo/virtual_fixture.h: operator()");
   SmallScene scene = pressed(kHeldKeys);
   scene.volume = kSkullPatchKeys;
-  check_clean(drive(
-      load_text(scene_text(scene) + "\n[zones]\n[zones.guidance]\nstart_mm = 6\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", scene.sets)));
+  check_clean(drive(load_text(
+      scene_text(scene) + "\n[zones]\n[zones.guidance]\nstart_mm = 6\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n[bleeding]\n", scene.sets)));
 }
 
 TEST_CASE("real time: a perforator whose clutch engages") {

@@ -1,0 +1,227 @@
+#include "app/view/blood_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/base/trilinear.h"
+
+namespace burrhole {
+namespace {
+
+constexpr Vec3 kPoolColor(0.34, 0.012, 0.02), kBeadColor(0.50, 0.02, 0.03), kPaleColor(0.78, 0.42, 0.38), kWaxColor(0.90, 0.85, 0.72);
+constexpr std::uint8_t kWet = 255, kDull = 40;  // shine
+constexpr float kLeastPores = 0.3f;             // [-] share below which a bead is too small to see
+constexpr double kMeniscus = 0.3e-3;            // [m] rise at the wall, and its length
+constexpr double kInto = 1.5;                   // [pitches] that the pool goes into the bone
+constexpr double kBeadHeight = 0.45;            // [-] of its radius
+constexpr int kSides = 6;                       // of a bead
+constexpr unsigned kRunOf = 9;                  // one bead in so many starts a run
+constexpr int kMostRun = 60;                    // beads of a run
+
+Rgba8 rgba(const Vec3& color, std::uint8_t shine) {
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0, 1.0) * 255.0 + 0.5); };
+  return {byte(color.x), byte(color.y), byte(color.z), shine};
+}
+
+unsigned scatter(const Vec3i& voxel) {
+  auto h = static_cast<std::uint32_t>(voxel.x) * 73856093u ^ static_cast<std::uint32_t>(voxel.y) * 19349663u ^
+           static_cast<std::uint32_t>(voxel.z) * 83492791u;
+  h ^= h >> 13;
+  h *= 0x5bd1e995u;
+  return h ^ (h >> 15);
+}
+
+/// A point of the surface and its normal, out of the bone.
+struct Place {
+  Vec3 at{0.0}, normal{0.0};
+};
+
+class BloodShape {
+ public:
+  BloodShape(const SiteBone& bone, const BloodPicture& picture, AddedMesh& out)
+      : bone_(bone),
+        picture_(picture),
+        out_(out),
+        index_from_bone_(bone.bone_from_index.inverse()),
+        edge_(bone.bone_from_index.mean_edge()) {
+    density_.resize(bone.whole.size());
+    for (std::size_t n = 0; n < density_.size(); ++n)
+      density_[n] = std::max(0.0f, bone.whole[n] - static_cast<float>(picture.removed[n]) / static_cast<float>(BloodSite::kWhole));
+  }
+
+  void append_beads() {
+    for_each_voxel(bone_.box, [&](const Vec3i& voxel) {
+      const std::size_t at = bone_.box.offset_of(voxel);
+      if (!(picture_.pore_area[at] > 0.0f) || bone_.pores[at] < kLeastPores) return;
+      const auto place = surface_near(bone_.bone_from_index * Vec3(voxel));
+      if (!place || voxel_of(index_from_bone_ * place->at) != voxel) return;
+      const double size = edge_ * (0.35 + 0.55 * static_cast<double>(bone_.pores[at]));
+      const double swollen = size * (0.4 + 0.6 * std::sqrt(picture_.wetness));
+      if (picture_.waxed[at] != 0) {
+        append_bead(*place, 1.5 * size, 0.2, rgba(kWaxColor, kDull));
+        return;
+      }
+      if (height(place->at) < picture_.level && picture_.blood > 0.0) return;  // under the pool
+      const unsigned dice = scatter(voxel);
+      if (picture_.wetness <= 0.0) return;
+      append_bead(*place, swollen * (0.8 + 0.4 * (dice % 16) / 16.0), kBeadHeight,
+                  rgba(kBeadColor * (0.8 + 0.3 * (dice / 16 % 16) / 16.0), kWet));
+      if (picture_.wetness >= kRunWetness && dice / 256 % kRunOf == 0) append_run(*place, size);
+    });
+  }
+  void append_pool();
+
+ private:
+  [[nodiscard]] double height(const Vec3& p) const { return -glm::dot(bone_.down, p); }
+  [[nodiscard]] double density(const Vec3& p) const { return trilinear(bone_.box, density_.data(), index_from_bone_ * p); }
+  [[nodiscard]] bool inside(const Vec3& p) const {
+    const Vec3 index = index_from_bone_ * p;
+    const Vec3 lo(bone_.box.lo + 1), hi(bone_.box.hi - 3);
+    return glm::all(glm::greaterThanEqual(index, lo)) && glm::all(glm::lessThanEqual(index, hi));
+  }
+  [[nodiscard]] std::optional<Place> surface_near(Vec3 p) const {
+    Vec3 normal(0.0);
+    for (int n = 0; n < 3; ++n) {
+      if (!inside(p)) return std::nullopt;
+      Vec3 slope;
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 step(0.0);
+        step[axis] = 0.75 * edge_;
+        slope[axis] = (density(p + step) - density(p - step)) / (1.5 * edge_);
+      }
+      const double steepness = glm::length(slope);
+      if (steepness * edge_ < 0.02) return std::nullopt;
+      normal = -slope / steepness;
+      p += normal * std::clamp((density(p) - 0.5) / steepness, -edge_, edge_);
+    }
+    return Place{p, normal};
+  }
+  void append_bead(const Place& place, double radius, double flat, const Rgba8& color) {
+    const auto first = static_cast<std::uint32_t>(out_.vertices.size());
+    const Vec3 aside = glm::normalize(std::abs(place.normal.z) < 0.7 ? glm::cross(place.normal, Vec3(0.0, 0.0, 1.0))
+                                                                     : glm::cross(place.normal, Vec3(1.0, 0.0, 0.0)));
+    const Vec3 across = glm::cross(place.normal, aside);
+    const auto add = [&](const Vec3& p) {
+      out_.vertices.emplace_back(p);
+      out_.colors.push_back(color);
+    };
+    add(place.at + place.normal * (flat * radius));
+    for (const auto& [wide, high] : {std::pair{0.65, 0.72}, std::pair{1.0, -0.15}})
+      for (int n = 0; n < kSides; ++n) {
+        const double turn = 2.0 * std::numbers::pi * n / kSides;
+        add(place.at + radius * (wide * (std::cos(turn) * aside + std::sin(turn) * across) + high * flat * place.normal));
+      }
+    for (std::uint32_t n = 0; n < kSides; ++n) {
+      const std::uint32_t next = (n + 1) % kSides, a = first + 1 + n, b = first + 1 + next;
+      out_.triangles.push_back({first, a, b});
+      out_.triangles.push_back({a, a + kSides, b + kSides});
+      out_.triangles.push_back({a, b + kSides, b});
+    }
+  }
+  /// Blood runs down along the surface.
+  void append_run(Place place, double size) {
+    const double step = 0.6 * edge_;
+    for (int n = 0; n < kMostRun; ++n) {
+      const Vec3 along = bone_.down - glm::dot(bone_.down, place.normal) * place.normal;
+      if (glm::length(along) < 0.25) return;
+      const auto next = surface_near(place.at + step * glm::normalize(along));
+      if (!next || (picture_.blood > 0.0 && height(next->at) < picture_.level)) return;
+      place = *next;
+      append_bead(place, size * (0.75 - 0.3 * n / kMostRun), 0.35, rgba(kBeadColor * 0.9, kWet));
+    }
+  }
+
+  const SiteBone& bone_;
+  const BloodPicture& picture_;
+  AddedMesh& out_;
+  Affine index_from_bone_;
+  double edge_;
+  std::vector<float> density_;
+};
+
+/// Distance [pitches] of each place of a lattice to the nearest that is not free, in two sweeps.
+void measure_distance(std::vector<double>& distance, int columns, int rows) {
+  const auto at = [&](int i, int j) -> double& {
+    return distance[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i)];
+  };
+  const auto lower = [&](int i, int j, int di, int dj) {
+    if (i + di < 0 || j + dj < 0 || i + di >= columns || j + dj >= rows) return;
+    at(i, j) = std::min(at(i, j), at(i + di, j + dj) + std::hypot(di, dj));
+  };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
+      for (const auto& [di, dj] : {std::pair{-1, 0}, std::pair{0, -1}, std::pair{-1, -1}, std::pair{1, -1}}) lower(i, j, di, dj);
+  for (int j = rows - 1; j >= 0; --j)
+    for (int i = columns - 1; i >= 0; --i)
+      for (const auto& [di, dj] : {std::pair{1, 0}, std::pair{0, 1}, std::pair{1, 1}, std::pair{-1, 1}}) lower(i, j, di, dj);
+}
+
+void BloodShape::append_pool() {
+  if (!(picture_.blood > 0.0)) return;
+  const Vec3 up = -bone_.down,
+             u = glm::normalize(std::abs(up.z) < 0.7 ? glm::cross(up, Vec3(0.0, 0.0, 1.0)) : glm::cross(Vec3(0.0, 1.0, 0.0), up)),
+             v = glm::cross(up, u);
+  glm::dvec2 lo(1e9), hi(-1e9);
+  for_each_voxel(bone_.box, [&](const Vec3i& voxel) {
+    const Vec3 p = bone_.bone_from_index * Vec3(voxel);
+    if (picture_.removed[bone_.box.offset_of(voxel)] == 0 || std::abs(height(p) - picture_.level) > edge_) return;
+    lo = glm::min(lo, glm::dvec2(glm::dot(p, u), glm::dot(p, v)));
+    hi = glm::max(hi, glm::dvec2(glm::dot(p, u), glm::dot(p, v)));
+  });
+  if (lo.x > hi.x) return;
+  const double pitch = 0.75 * edge_;
+  lo -= 3.0 * pitch;
+  const int columns = static_cast<int>((hi.x - lo.x) / pitch) + 5, rows = static_cast<int>((hi.y - lo.y) / pitch) + 5;
+  const auto place = [&](int i, int j) { return u * (lo.x + pitch * i) + v * (lo.y + pitch * j) + up * picture_.level; };
+  const auto wet = [&](const Vec3& p) {
+    return inside(p) && density(p) < 0.5 && trilinear(bone_.box, bone_.whole.data(), index_from_bone_ * p) > 0.4;
+  };
+  const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  std::vector<double> in(count, 0.0), out(count, 0.0), column(count, 0.0);  // [pitches] to the wall; beyond it; [m] blood under it
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
+      const Vec3 p = place(i, j) - up * (0.25 * edge_);
+      if (!wet(p)) continue;
+      in[at] = out[at] = static_cast<double>(columns + rows);
+      const double step = 0.5 * edge_;
+      for (double depth = 0.0; column[at] < picture_.hide && wet(p - up * depth); depth += step) column[at] += step * picture_.blood;
+    }
+  for (std::size_t n = 0; n < count; ++n) out[n] = in[n] > 0.0 && column[n] >= picture_.hide ? 0.0 : static_cast<double>(columns + rows);
+  measure_distance(in, columns, rows);
+  measure_distance(out, columns, rows);
+  const Rgba8 color = rgba(glm::mix(kPaleColor, kPoolColor, std::sqrt(picture_.blood)), kWet);
+  std::vector<std::uint32_t> vertex(count, 0);
+  const auto first = static_cast<std::uint32_t>(out_.vertices.size());
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
+      if (out[at] > kInto) continue;
+      vertex[at] = static_cast<std::uint32_t>(out_.vertices.size()) + 1;
+      out_.vertices.emplace_back(place(i, j) + up * (0.6 * kMeniscus * std::exp(-in[at] * pitch / kMeniscus)));
+      out_.colors.push_back(color);
+    }
+  if (out_.vertices.size() == first) return;
+  for (int j = 0; j + 1 < rows; ++j)
+    for (int i = 0; i + 1 < columns; ++i) {
+      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
+      const std::array<std::uint32_t, 4> c{vertex[at], vertex[at + 1], vertex[at + 1 + static_cast<std::size_t>(columns)],
+                                           vertex[at + static_cast<std::size_t>(columns)]};
+      if (std::ranges::find(c, 0u) != c.end()) continue;
+      out_.triangles.push_back({c[0] - 1, c[1] - 1, c[2] - 1});
+      out_.triangles.push_back({c[0] - 1, c[2] - 1, c[3] - 1});
+    }
+}
+
+}  // namespace
+
+void append_blood(const SiteBone& bone, const BloodPicture& picture, AddedMesh& out) {
+  BloodShape shape(bone, picture, out);
+  shape.append_beads();
+  shape.append_pool();
+}
+
+}  // namespace burrhole
