@@ -7,14 +7,15 @@
 namespace burrhole {
 namespace {
 
-constexpr double kMoved = 5e-6;      // [m] of a node, above which the next picture shows it
-constexpr double kBelowTear = 1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
-constexpr double kLeastBelow = 1e-4; // [m] of soft tissue below the upper face
-constexpr double kAbove = 2e-3;      // [m] over the sheet at rest, up to which soft tissue is left out
-constexpr double kCurved = 0.75;     // [-] share of the curvature between nodes: Phong tessellation
-constexpr double kLeastSlope = 0.3;  // [-] of a normal along z; steeper faces count as that
-constexpr int kParts = 5;            // of an edge
-constexpr double kBump = 50e-6, kBumpWide = 0.7e-3;      // [m] height and width of what breaks the gloss (an assumption)
+constexpr double kMoved = 5e-6;  // [m] of a node, above which the next picture shows it
+constexpr double kBelowTear =
+    1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
+constexpr double kLeastBelow = 1e-4;                    // [m] of soft tissue below the upper face
+constexpr double kAbove = 2e-3;                         // [m] over the sheet at rest, up to which soft tissue is left out
+constexpr double kCurved = 0.75;                        // [-] share of the curvature between nodes: Phong tessellation
+constexpr double kLeastSlope = 0.3;                     // [-] of a normal along z; steeper faces count as that
+constexpr int kParts = 5;                               // of an edge
+constexpr double kBump = 50e-6, kBumpWide = 0.7e-3;     // [m] height and width of what breaks the gloss (an assumption)
 constexpr double kDarkFrom = 4e-3, kLeastLight = 0.35;  // [m], [-] depth at which a pit is dark, and by how much (an assumption)
 constexpr std::uint8_t kShine = 200;
 
@@ -69,7 +70,12 @@ class Shell {
     const std::vector<Vec3>&x, &normals;  // sheet frame
   };
   Shell(const ElasticSheet& sheet, const Nodes& nodes, const Pose& bone_from_sheet, double thickness, AddedMesh& out)
-      : sheet_(&sheet), x_(&nodes.x), normals_(&nodes.normals), bone_from_sheet_(bone_from_sheet), thickness_(thickness), out_(&out),
+      : sheet_(&sheet),
+        x_(&nodes.x),
+        normals_(&nodes.normals),
+        bone_from_sheet_(bone_from_sheet),
+        thickness_(thickness),
+        out_(&out),
         torn_(nodes.x.size(), 0.0) {}
 
   void note(const std::array<std::uint32_t, 3>& nodes, bool whole) {
@@ -78,8 +84,7 @@ class Shell {
       return;
     }
     triangles_.push_back(nodes);
-    for (std::size_t k = 0; k < 3; ++k)
-      ++open_[{std::min(nodes[k], nodes[(k + 1) % 3]), std::max(nodes[k], nodes[(k + 1) % 3])}];
+    for (std::size_t k = 0; k < 3; ++k) ++open_[{std::min(nodes[k], nodes[(k + 1) % 3]), std::max(nodes[k], nodes[(k + 1) % 3])}];
   }
 
   void build() {
@@ -212,8 +217,7 @@ bool DuraPicture::copy_for_picture() {
   for (std::size_t n = 0; n < x_.size(); ++n) wanted[n] = over_rest(n) - below;
   for (std::size_t e = 0; e < broken_.size(); ++e)
     if (broken_[e] != 0)
-      for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b})
-        wanted[n] = over_rest(n) - thickness_ - kBelowTear;
+      for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b}) wanted[n] = over_rest(n) - thickness_ - kBelowTear;
   lower_soft(wanted);
   return true;
 }

@@ -92,7 +92,7 @@ class ComparingSink final : public FrameSink {
 
   std::vector<Way> ways;
   int boxes = 0, forgotten = 0, pictures = 0, changed = 0, added = 0;
-  std::size_t triangles = 0;  ///< of what effects add
+  std::size_t triangles = 0;                 ///< of what effects add
   std::size_t sent = 0, largest_parcel = 0;  ///< [texels]
 };
 
@@ -200,7 +200,9 @@ TEST_CASE("drilled frames: the same for a bone in two levels") {
   check_kept_pictures(std::move(ways), {"display.whole_voxels=4000", "display.detail_mm=4.4"});
 }
 
-TEST_CASE("drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is added") {
+TEST_CASE(
+    "drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is "
+    "added") {
   const auto run_with = [](const std::string& dura, auto&& look) {
     ComparingSink sink({{.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}},
                         {.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true},
