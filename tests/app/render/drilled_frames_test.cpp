@@ -204,10 +204,12 @@ TEST_CASE(
     "drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is "
     "added") {
   const auto run_with = [](const std::string& dura, auto&& look) {
-    ComparingSink sink({{.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}},
-                        {.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true},
-                        {.name = "dura-mesh", .options = {.mesh = true}, .tool = false},
-                        {.name = "dura-slices", .options = {.slices = SliceOptions{}}}});
+    std::vector<Way> ways;
+    ways.push_back({.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}});
+    ways.push_back({.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true});
+    ways.push_back({.name = "dura-mesh", .options = {.mesh = true}, .tool = false});
+    ways.push_back({.name = "dura-slices", .options = {.slices = SliceOptions{}}});
+    ComparingSink sink(std::move(ways));
     const SmallScene scene{.volume = kInnerTableKeys,
                            .display = true,
                            .sets = {"duration_s=5.0", "tool.erosion_scale=5", "volume.extent_mm=[14.0, 14.0, 8.0]", "volume.spacing_mm=0.5",
