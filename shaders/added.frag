@@ -35,6 +35,7 @@ void main() {
   // A tight highlight of the film of fluid over a broad one of the uneven tissue below it.
   float towards = max(dot(n, normalize(light.xyz + to_eye)), 0.0) * step(0.0, dot(n, light.xyz));
   shown += color.a * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
+  shown += color.a * 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // the film mirrors the room at grazing angles
   shown = rolled_off(shown);
 #ifdef FOG
   shown = fogged(shown, 1.0 / gl_FragCoord.w);

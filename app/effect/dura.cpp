@@ -35,7 +35,10 @@ struct DuraScene {
 
 constexpr double kAbove = 3e-3, kBelow = 8e-3;  // [m] from the inner end of the axis, between which the dura is searched
 constexpr double kNear = 2e-3;                  // [m] of a point of the tool above the dura, beyond which the dura is left at rest
-constexpr double kAtRest = 1e-12;               // [J] of the sheet
+constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
+constexpr std::uint64_t kPictureBytes =
+    10000;                         // of a node: 94 triangles with 49 vertices, also in the driver, and what finds their corners
+constexpr double kAtRest = 1e-12;  // [J] of the sheet
 
 /// Heights of the dura over the plane across the approach axis, from the soft tissue of the bone as loaded, or from its labels.
 class DuraTop {
@@ -307,7 +310,7 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
             .detail = fmt::format("about {} nodes, {:g} mm apart, {:g} MPa, {:g} mm thick", nodes, config_.spacing / kMillimetre,
                                   config_.sheet.modulus * 1e-6, config_.sheet.thickness / kMillimetre),
             .rate_hz = static_cast<double>(context.needs.simulation_hz),
-            .bytes = sizeof(DuraEffect) + nodes * 2 * (14 * sizeof(Vec3) + 4 * sizeof(Mat3) + 160)};
+            .bytes = sizeof(DuraEffect) + nodes * (2 * kNodeBytes + kPictureBytes)};
   }
   std::string setting() const override { return fmt::format("dura of {:g} MPa", config_.sheet.modulus * 1e-6); }
 

@@ -7,14 +7,17 @@
 namespace burrhole {
 namespace {
 
-constexpr double kMoved = 5e-6;      // [m] of a node, above which the next picture shows it
-constexpr double kBelowTear = 1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
-constexpr double kLeastBelow = 1e-4; // [m] of soft tissue below the upper face
-constexpr double kAbove = 2e-3;      // [m] over the sheet at rest, up to which soft tissue is left out
-constexpr double kCurved = 0.75;     // [-] share of the curvature between nodes: Phong tessellation
-constexpr double kLeastSlope = 0.3;  // [-] of a normal along z; steeper faces count as that
-constexpr int kParts = 5;            // of an edge
-constexpr std::uint8_t kShine = 150;
+constexpr double kMoved = 5e-6;  // [m] of a node, above which the next picture shows it
+constexpr double kBelowTear =
+    1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
+constexpr double kLeastBelow = 1e-4;                    // [m] of soft tissue below the upper face
+constexpr double kAbove = 2e-3;                         // [m] over the sheet at rest, up to which soft tissue is left out
+constexpr double kCurved = 0.75;                        // [-] share of the curvature between nodes: Phong tessellation
+constexpr double kLeastSlope = 0.3;                     // [-] of a normal along z; steeper faces count as that
+constexpr int kParts = 5;                               // of an edge
+constexpr double kBump = 50e-6, kBumpWide = 0.7e-3;     // [m] height and width of what breaks the gloss (an assumption)
+constexpr double kDarkFrom = 4e-3, kLeastLight = 0.35;  // [m], [-] depth at which a pit is dark, and by how much (an assumption)
+constexpr std::uint8_t kShine = 200;
 
 std::uint32_t mixed(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t h = x * 0x9E3779B1u ^ y * 0x85EBCA77u ^ z * 0xC2B2AE3Du;
@@ -48,13 +51,14 @@ double vessel(const Vec3& x, const Vec3& way, double width) {
   return (1.0 - smooth(0.4 * width, width, off)) * smooth(0.35, 0.6, noise(0.43 * x + 17.0));
 }
 
-/// Dura with its vessels and fibres. @param p [m] at rest. @param torn 0..1, 1 at the edge of a tear.
-Rgba8 color_of(const Vec3& p, double torn) {
+/// Dura with its vessels and fibres. @param p [m] at rest. @param torn 0..1, 1 at the edge of a tear. @param depth [m] below its place at rest.
+Rgba8 color_of(const Vec3& p, double torn, double depth) {
   const double trunk = vessel(p / 6.0e-3, Vec3(0.8, 0.36, 0.48), 0.06);
   const double branch = vessel(p / 2.8e-3 + 5.0, Vec3(0.28, 0.96, 0.0), 0.08);
   Vec3 color = Vec3(0.80, 0.65, 0.61) * (0.92 + 0.14 * noise(p / Vec3(0.5e-3, 2.2e-3, 0.5e-3)));
   color = glm::mix(color, Vec3(0.60, 0.16, 0.15), std::max(0.85 * trunk, 0.6 * branch));
   color = glm::mix(color, Vec3(0.62, 0.14, 0.13), 0.75 * torn);  // blood in the edge of a tear
+  color *= 1.0 - kLeastLight * smooth(0.0, kDarkFrom, depth);
   const auto byte = [](double share) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0))); };
   return {byte(color.x), byte(color.y), byte(color.z), kShine};
 }
@@ -66,7 +70,12 @@ class Shell {
     const std::vector<Vec3>&x, &normals;  // sheet frame
   };
   Shell(const ElasticSheet& sheet, const Nodes& nodes, const Pose& bone_from_sheet, double thickness, AddedMesh& out)
-      : sheet_(&sheet), x_(&nodes.x), normals_(&nodes.normals), bone_from_sheet_(bone_from_sheet), thickness_(thickness), out_(&out),
+      : sheet_(&sheet),
+        x_(&nodes.x),
+        normals_(&nodes.normals),
+        bone_from_sheet_(bone_from_sheet),
+        thickness_(thickness),
+        out_(&out),
         torn_(nodes.x.size(), 0.0) {}
 
   void note(const std::array<std::uint32_t, 3>& nodes, bool whole) {
@@ -75,8 +84,7 @@ class Shell {
       return;
     }
     triangles_.push_back(nodes);
-    for (std::size_t k = 0; k < 3; ++k)
-      ++open_[{std::min(nodes[k], nodes[(k + 1) % 3]), std::max(nodes[k], nodes[(k + 1) % 3])}];
+    for (std::size_t k = 0; k < 3; ++k) ++open_[{std::min(nodes[k], nodes[(k + 1) % 3]), std::max(nodes[k], nodes[(k + 1) % 3])}];
   }
 
   void build() {
@@ -110,8 +118,9 @@ class Shell {
       rest += weight(k) * sheet_->rest(n);
       torn += weight(k) * torn_[n];
     }
-    const Vec3 top = glm::mix(flat, curved, kCurved), bottom = top - thickness_ * glm::normalize(normal);
-    const Rgba8 color = color_of(bone_from_sheet_ * rest, torn * torn);
+    const double bump = kBump * (noise(bone_from_sheet_ * rest / kBumpWide) - 0.5);
+    const Vec3 top = glm::mix(flat, curved, kCurved) + Vec3(0.0, 0.0, bump), bottom = top - thickness_ * glm::normalize(normal);
+    const Rgba8 color = color_of(bone_from_sheet_ * rest, torn * torn, rest.z - flat.z);
     const auto add = [&](const Vec3& p) {
       out_->vertices.emplace_back(bone_from_sheet_ * p);
       out_->colors.push_back(color);
@@ -208,8 +217,7 @@ bool DuraPicture::copy_for_picture() {
   for (std::size_t n = 0; n < x_.size(); ++n) wanted[n] = over_rest(n) - below;
   for (std::size_t e = 0; e < broken_.size(); ++e)
     if (broken_[e] != 0)
-      for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b})
-        wanted[n] = over_rest(n) - thickness_ - kBelowTear;
+      for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b}) wanted[n] = over_rest(n) - thickness_ - kBelowTear;
   lower_soft(wanted);
   return true;
 }

@@ -22,7 +22,8 @@ Status check(const AddedMesh& mesh) {
       return bad_input("an added mesh has an index beyond its vertices");
   if (!std::ranges::all_of(mesh.vertices, [](const glm::vec3& p) { return is_finite(Vec3(p)); }))
     return bad_input("an added mesh has a vertex that is not finite");
-  if (mesh.triangles.size() > static_cast<std::size_t>(std::numeric_limits<GLsizei>::max()) / 3) return bad_input("an added mesh is too large");
+  if (mesh.triangles.size() > static_cast<std::size_t>(std::numeric_limits<GLsizei>::max()) / 3)
+    return bad_input("an added mesh is too large");
   return {};
 }
 

@@ -41,7 +41,7 @@ struct StalePixels {
   std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
   /// With layers, beside both, disjoint: where the tool, its shadow or what effects add has changed.
   std::vector<PixelRect> tool;
-  VoxelBox changed;              ///< round all texels that changed since the last picture
+  VoxelBox changed;  ///< round all texels that changed since the last picture
 
   /// @returns all rectangles.
   [[nodiscard]] std::vector<PixelRect> all() const;
@@ -67,8 +67,9 @@ class FrameCache {
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
   /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param layers the tool is drawn
   /// over a copy of the picture of the bone; then hits can be relit, if `reach.occlusion` is not 0.
-  [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const DrawnAdded& added,
-                                       const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
+  [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+                                       const DrawnAdded& added, const std::optional<Affine>& world_from_index, const Reach& reach,
+                                       bool layers) const;
   /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture; of one that is the whole
   /// picture the memory is taken, and that of the last picture is left in its place. @param missing what was not drawn of the stale pixels,
   /// disjoint: the next find_stale() returns it again.

@@ -75,7 +75,8 @@ struct RenderCounters {
   std::uint64_t frames = 0;             ///< pictures drawn, those of probe() included
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
-  std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool, its shadow and what effects add were drawn, over a copy of the bone
+  std::uint64_t tool_pixels =
+      0;  ///< beside them, those where only the tool, its shadow and what effects add were drawn, over a copy of the bone
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 

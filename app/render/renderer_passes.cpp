@@ -190,6 +190,7 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   std::vector<ShaderVariant> asked{background_variant(), tool_variant(has_surface() ? ToolPass::layer : ToolPass::picture)};
   for (const bool cut : {false, true}) {
+    asked.push_back(added_variant({.pass = has_surface() ? ToolPass::layer : ToolPass::picture, .cut = cut}));
     if (options.mesh) {
       asked.push_back(bone_mesh_variant(cut, false));
       continue;

@@ -237,7 +237,7 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
     // Across a shortened edge the second derivative is below 0; without it the sum stays convex.
     const double across = std::max(0.0, 1.0 - length_[e] / length), both = edge_stiffness_ * across;
     const Vec3 part = edge_stiffness_ * (1.0 - across) * unit;
-    edge_curve_[e] = {both + part.x * unit.x, part.x * unit.y,        part.x * unit.z,
+    edge_curve_[e] = {both + part.x * unit.x, part.x * unit.y, part.x * unit.z,
                       both + part.y * unit.y, part.y * unit.z, both + part.z * unit.z};
   }
   for (const Pressed& point : pressed_) {

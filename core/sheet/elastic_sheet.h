@@ -118,8 +118,8 @@ class ElasticSheet {
   SheetConfig config_;
   SheetLattice lattice_;
   double edge_stiffness_, bending_;  // [N/m]; [N/m] of the sum of differences
-  Field rest_, x_, before_, moved_;   // moved_: by the last step
-  std::vector<std::uint32_t> rim_;    // nodes
+  Field rest_, x_, before_, moved_;  // moved_: by the last step
+  std::vector<std::uint32_t> rim_;   // nodes
   // Second derivative of bending on the free nodes, the same in x, y and z: of each row the columns and values [N/m]. Constant.
   std::vector<std::uint32_t> bend_first_, bend_column_;
   std::vector<double> bend_value_;

@@ -92,7 +92,7 @@ class ComparingSink final : public FrameSink {
 
   std::vector<Way> ways;
   int boxes = 0, forgotten = 0, pictures = 0, changed = 0, added = 0;
-  std::size_t triangles = 0;  ///< of what effects add
+  std::size_t triangles = 0;                 ///< of what effects add
   std::size_t sent = 0, largest_parcel = 0;  ///< [texels]
 };
 
@@ -200,12 +200,16 @@ TEST_CASE("drilled frames: the same for a bone in two levels") {
   check_kept_pictures(std::move(ways), {"display.whole_voxels=4000", "display.detail_mm=4.4"});
 }
 
-TEST_CASE("drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is added") {
+TEST_CASE(
+    "drilled frames: a dura that is indented and torn: kept pictures are whole ones, and after a reset it is whole; absent, nothing is "
+    "added") {
   const auto run_with = [](const std::string& dura, auto&& look) {
-    ComparingSink sink({{.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}},
-                        {.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true},
-                        {.name = "dura-mesh", .options = {.mesh = true}, .tool = false},
-                        {.name = "dura-slices", .options = {.slices = SliceOptions{}}}});
+    std::vector<Way> ways;
+    ways.push_back({.name = "dura", .options = {.appearance = {.tissue = true, .occlusion = true}}});
+    ways.push_back({.name = "dura-cut", .options = {.finish = false, .supersample = 2}, .cut = true});
+    ways.push_back({.name = "dura-mesh", .options = {.mesh = true}, .tool = false});
+    ways.push_back({.name = "dura-slices", .options = {.slices = SliceOptions{}}});
+    ComparingSink sink(std::move(ways));
     const SmallScene scene{.volume = kInnerTableKeys,
                            .display = true,
                            .sets = {"duration_s=5.0", "tool.erosion_scale=5", "volume.extent_mm=[14.0, 14.0, 8.0]", "volume.spacing_mm=0.5",
