@@ -18,7 +18,7 @@ constexpr double kMeniscus = 0.3e-3;            // [m] rise at the wall, and its
 constexpr double kInto = 1.5;                   // [pitches] that the pool goes into the bone
 constexpr double kBeadHeight = 0.45;            // [-] of its radius
 constexpr int kSides = 6;                       // of a bead
-constexpr unsigned kRunOf = 9;                  // one bead in so many starts a run
+constexpr unsigned kRunOf = 9;                  // [beads] of which one starts a run
 constexpr int kMostRun = 60;                    // beads of a run
 
 Rgba8 rgba(const Vec3& color, std::uint8_t shine) {
