@@ -353,7 +353,7 @@ EffectEntry bleeding_effect() {
   return {"bleeding",
           "blood from opened diploe, its pool in the hole, wax and suction; without it bone does not bleed",
           read,
-          {"wax = \"drilled\""}};
+          {"wax = \"after\"", "wax = \"drilled\""}};
 }
 
 }  // namespace burrhole

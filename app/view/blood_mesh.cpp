@@ -15,10 +15,13 @@ constexpr Vec3 kPoolColor(0.34, 0.012, 0.02), kBeadColor(0.50, 0.02, 0.03), kPal
 constexpr std::uint8_t kWet = 255, kDull = 40;  // shine
 constexpr float kLeastPores = 0.3f;             // [-] share below which a bead is too small to see
 constexpr double kMeniscus = 0.3e-3;            // [m] rise at the wall, and its length
-constexpr double kInto = 1.5;                   // [pitches] that the pool goes into the bone
-constexpr double kBeadHeight = 0.45;            // [-] of its radius
+constexpr double kInto = 1.5;                   // [pitches] to the last place of the lattice beyond the liquid, which is moved to the wall
+constexpr double kWallLevel = 0.6;              // [-] density at the edge of the surface, a little in the bone
+constexpr double kWave = 3e-5, kWaves = 1.1e3;  // [m], [1/m] of ripples on the surface, which make it shine
+constexpr double kFar = 1e9;                    // [m]
+constexpr double kBeadHeight = 0.25;            // [-] of its radius
 constexpr int kSides = 6;                       // of a bead
-constexpr unsigned kRunOf = 9;                  // one bead in so many starts a run
+constexpr unsigned kRunOf = 9;                  // [beads] of which one starts a run
 constexpr int kMostRun = 60;                    // beads of a run
 
 Rgba8 rgba(const Vec3& color, std::uint8_t shine) {
@@ -39,6 +42,19 @@ struct Place {
   Vec3 at{0.0}, normal{0.0};
 };
 
+/// A lattice on the surface of the pool, with what is known at each of its places.
+struct PoolLattice {
+  Vec3 u{0.0}, v{0.0}, up{0.0};
+  glm::dvec2 lo{0.0};  // [m] along u and v
+  double level = 0.0, pitch = 0.0;
+  int columns = 0, rows = 0;
+  std::vector<double> in{}, out{}, depth{};  // [pitches] to the wall, and beyond it or to where blood hides nothing; [m] of the liquid
+  [[nodiscard]] std::size_t at(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
+  }
+  [[nodiscard]] Vec3 place(int i, int j) const { return u * (lo.x + pitch * i) + v * (lo.y + pitch * j) + up * level; }
+};
+
 class BloodShape {
  public:
   BloodShape(const SiteBone& bone, const BloodPicture& picture, AddedMesh& out)
@@ -48,8 +64,11 @@ class BloodShape {
         index_from_bone_(bone.bone_from_index.inverse()),
         edge_(bone.bone_from_index.mean_edge()) {
     density_.resize(bone.whole.size());
-    for (std::size_t n = 0; n < density_.size(); ++n)
-      density_[n] = std::max(0.0f, bone.whole[n] - static_cast<float>(picture.removed[n]) / static_cast<float>(BloodSite::kWhole));
+    gone_.resize(bone.whole.size());
+    for (std::size_t n = 0; n < density_.size(); ++n) {
+      gone_[n] = static_cast<float>(picture.removed[n]) / static_cast<float>(BloodSite::kWhole);
+      density_[n] = std::max(0.0f, bone.whole[n] - gone_[n]);
+    }
   }
 
   void append_beads() {
@@ -58,7 +77,7 @@ class BloodShape {
       if (!(picture_.pore_area[at] > 0.0f) || bone_.pores[at] < kLeastPores) return;
       const auto place = surface_near(bone_.bone_from_index * Vec3(voxel));
       if (!place || voxel_of(index_from_bone_ * place->at) != voxel) return;
-      const double size = edge_ * (0.35 + 0.55 * static_cast<double>(bone_.pores[at]));
+      const double size = edge_ * (0.55 + 0.65 * static_cast<double>(bone_.pores[at]));
       const double swollen = size * (0.4 + 0.6 * std::sqrt(picture_.wetness));
       if (picture_.waxed[at] != 0) {
         append_bead(*place, 1.5 * size, 0.2, rgba(kWaxColor, kDull));
@@ -130,16 +149,20 @@ class BloodShape {
       const auto next = surface_near(place.at + step * glm::normalize(along));
       if (!next || (picture_.blood > 0.0 && height(next->at) < picture_.level)) return;
       place = *next;
-      append_bead(place, size * (0.75 - 0.3 * n / kMostRun), 0.35, rgba(kBeadColor * 0.9, kWet));
+      append_bead(place, size * (0.6 - 0.25 * n / kMostRun), 0.4, rgba(kBeadColor * 0.9, kWet));
     }
   }
+
+  void sound(PoolLattice& pool) const;
+  [[nodiscard]] Vec3 at_wall(const PoolLattice& pool, Vec3 p) const;
+  void append_sheet(const PoolLattice& pool, const Rgba8& color, bool ground);
 
   const SiteBone& bone_;
   const BloodPicture& picture_;
   AddedMesh& out_;
   Affine index_from_bone_;
   double edge_;
-  std::vector<float> density_;
+  std::vector<float> density_, gone_;
 };
 
 /// Distance [pitches] of each place of a lattice to the nearest that is not free, in two sweeps.
@@ -161,56 +184,102 @@ void measure_distance(std::vector<double>& distance, int columns, int rows) {
 
 void BloodShape::append_pool() {
   if (!(picture_.blood > 0.0)) return;
-  const Vec3 up = -bone_.down,
-             u = glm::normalize(std::abs(up.z) < 0.7 ? glm::cross(up, Vec3(0.0, 0.0, 1.0)) : glm::cross(Vec3(0.0, 1.0, 0.0), up)),
-             v = glm::cross(up, u);
-  glm::dvec2 lo(1e9), hi(-1e9);
+  PoolLattice pool{.up = -bone_.down, .level = picture_.level, .pitch = 0.75 * edge_};
+  pool.u = glm::normalize(std::abs(pool.up.z) < 0.7 ? glm::cross(pool.up, Vec3(0.0, 0.0, 1.0)) : glm::cross(Vec3(0.0, 1.0, 0.0), pool.up));
+  pool.v = glm::cross(pool.up, pool.u);
+  pool.lo = glm::dvec2(kFar);
+  glm::dvec2 hi(-kFar);
   for_each_voxel(bone_.box, [&](const Vec3i& voxel) {
     const Vec3 p = bone_.bone_from_index * Vec3(voxel);
     if (picture_.removed[bone_.box.offset_of(voxel)] == 0 || std::abs(height(p) - picture_.level) > edge_) return;
-    lo = glm::min(lo, glm::dvec2(glm::dot(p, u), glm::dot(p, v)));
-    hi = glm::max(hi, glm::dvec2(glm::dot(p, u), glm::dot(p, v)));
+    const glm::dvec2 across(glm::dot(p, pool.u), glm::dot(p, pool.v));
+    pool.lo = glm::min(pool.lo, across);
+    hi = glm::max(hi, across);
   });
-  if (lo.x > hi.x) return;
-  const double pitch = 0.75 * edge_;
-  lo -= 3.0 * pitch;
-  const int columns = static_cast<int>((hi.x - lo.x) / pitch) + 5, rows = static_cast<int>((hi.y - lo.y) / pitch) + 5;
-  const auto place = [&](int i, int j) { return u * (lo.x + pitch * i) + v * (lo.y + pitch * j) + up * picture_.level; };
-  const auto wet = [&](const Vec3& p) {
-    return inside(p) && density(p) < 0.5 && trilinear(bone_.box, bone_.whole.data(), index_from_bone_ * p) > 0.4;
-  };
-  const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  std::vector<double> in(count, 0.0), out(count, 0.0), column(count, 0.0);  // [pitches] to the wall; beyond it; [m] blood under it
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
-      const Vec3 p = place(i, j) - up * (0.25 * edge_);
-      if (!wet(p)) continue;
-      in[at] = out[at] = static_cast<double>(columns + rows);
-      const double step = 0.5 * edge_;
-      for (double depth = 0.0; column[at] < picture_.hide && wet(p - up * depth); depth += step) column[at] += step * picture_.blood;
-    }
-  for (std::size_t n = 0; n < count; ++n) out[n] = in[n] > 0.0 && column[n] >= picture_.hide ? 0.0 : static_cast<double>(columns + rows);
-  measure_distance(in, columns, rows);
-  measure_distance(out, columns, rows);
+  if (pool.lo.x > hi.x) return;
+  pool.lo -= 3.0 * pool.pitch;
+  pool.columns = static_cast<int>((hi.x - pool.lo.x) / pool.pitch) + 5;
+  pool.rows = static_cast<int>((hi.y - pool.lo.y) / pool.pitch) + 5;
+  sound(pool);
   const Rgba8 color = rgba(glm::mix(kPaleColor, kPoolColor, std::sqrt(picture_.blood)), kWet);
-  std::vector<std::uint32_t> vertex(count, 0);
-  const auto first = static_cast<std::uint32_t>(out_.vertices.size());
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
-      if (out[at] > kInto) continue;
+  // The surface, and the ground of the liquid, which a section through it shows.
+  append_sheet(pool, color, false);
+  append_sheet(pool, color, true);
+}
+
+/// Finds where the liquid is, and how deep.
+void BloodShape::sound(PoolLattice& pool) const {
+  const auto wet = [&](const Vec3& p) {
+    return inside(p) && density(p) < 0.5 && trilinear(bone_.box, gone_.data(), index_from_bone_ * p) > 0.4;
+  };
+  const std::size_t count = static_cast<std::size_t>(pool.columns) * static_cast<std::size_t>(pool.rows);
+  const auto everywhere = static_cast<double>(pool.columns + pool.rows);
+  pool.in.assign(count, 0.0);
+  pool.out.assign(count, everywhere);
+  pool.depth.assign(count, 0.0);
+  const double step = 0.5 * edge_;
+  for (int j = 0; j < pool.rows; ++j)
+    for (int i = 0; i < pool.columns; ++i) {
+      const std::size_t at = pool.at(i, j);
+      const Vec3 p = pool.place(i, j) - pool.up * edge_;
+      if (!wet(p)) continue;
+      pool.in[at] = everywhere;
+      pool.depth[at] = edge_;
+      while (wet(p - pool.up * (pool.depth[at] - edge_))) pool.depth[at] += step;
+      if (pool.depth[at] * picture_.blood >= picture_.hide) pool.out[at] = 0.0;
+    }
+  measure_distance(pool.in, pool.columns, pool.rows);
+  measure_distance(pool.out, pool.columns, pool.rows);
+}
+
+/// @returns the least depth [m] beside a place, so that the ground lies over every step of the bone.
+double shallowest(const PoolLattice& pool, int i, int j) {
+  double out = pool.depth[pool.at(i, j)];
+  for (const int dj : {-1, 0, 1})
+    for (const int di : {-1, 0, 1})
+      if (i + di >= 0 && j + dj >= 0 && i + di < pool.columns && j + dj < pool.rows)
+        out = std::min(out, pool.depth[pool.at(i + di, j + dj)]);
+  return out;
+}
+
+/// Moves a place in the bone to the wall beside it, within the plane of the pool.
+Vec3 BloodShape::at_wall(const PoolLattice& pool, Vec3 p) const {
+  const Vec3 below = -pool.up * edge_;
+  for (int n = 0; n < 4; ++n) {
+    if (!inside(p + below)) return p;
+    const auto slope_along = [&](const Vec3& axis) {
+      return (density(p + below + 0.75 * edge_ * axis) - density(p + below - 0.75 * edge_ * axis)) / (1.5 * edge_);
+    };
+    const Vec3 slope = pool.u * slope_along(pool.u) + pool.v * slope_along(pool.v);
+    const double steepness = glm::length(slope);
+    if (steepness * edge_ < 0.02) return p;
+    p -= slope / steepness * std::clamp((density(p + below) - kWallLevel) / steepness, -edge_, edge_);
+  }
+  return p;
+}
+
+void BloodShape::append_sheet(const PoolLattice& pool, const Rgba8& color, bool ground) {
+  std::vector<std::uint32_t> vertex(pool.in.size(), 0);
+  for (int j = 0; j < pool.rows; ++j)
+    for (int i = 0; i < pool.columns; ++i) {
+      const std::size_t at = pool.at(i, j);
+      if (pool.out[at] > kInto) continue;
+      Vec3 p = pool.place(i, j);
+      if (pool.in[at] <= 0.0) p = at_wall(pool, p);
+      const double x = kWaves * glm::dot(p, pool.u), y = kWaves * glm::dot(p, pool.v);
+      const double wave = kWave * (std::sin(x + 0.6 * y + std::sin(0.8 * y)) + std::sin(1.3 * y - 0.7 * x + std::sin(0.9 * x)));
+      const double rise = 0.6 * kMeniscus * std::exp(-pool.in[at] * pool.pitch / kMeniscus) + (pool.in[at] > 1.5 ? wave : 0.0);
+      p += pool.up * (ground ? -std::max(0.0, shallowest(pool, i, j) - 0.5 * edge_) : rise);
       vertex[at] = static_cast<std::uint32_t>(out_.vertices.size()) + 1;
-      out_.vertices.emplace_back(place(i, j) + up * (0.6 * kMeniscus * std::exp(-in[at] * pitch / kMeniscus)));
+      out_.vertices.emplace_back(p);
       out_.colors.push_back(color);
     }
-  if (out_.vertices.size() == first) return;
-  for (int j = 0; j + 1 < rows; ++j)
-    for (int i = 0; i + 1 < columns; ++i) {
-      const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
-      const std::array<std::uint32_t, 4> c{vertex[at], vertex[at + 1], vertex[at + 1 + static_cast<std::size_t>(columns)],
-                                           vertex[at + static_cast<std::size_t>(columns)]};
+  for (int j = 0; j + 1 < pool.rows; ++j)
+    for (int i = 0; i + 1 < pool.columns; ++i) {
+      std::array<std::uint32_t, 4> c{vertex[pool.at(i, j)], vertex[pool.at(i + 1, j)], vertex[pool.at(i + 1, j + 1)],
+                                     vertex[pool.at(i, j + 1)]};
       if (std::ranges::find(c, 0u) != c.end()) continue;
+      if (ground) std::swap(c[1], c[3]);
       out_.triangles.push_back({c[0] - 1, c[1] - 1, c[2] - 1});
       out_.triangles.push_back({c[0] - 1, c[2] - 1, c[3] - 1});
     }
