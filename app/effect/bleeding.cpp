@@ -64,8 +64,7 @@ class BleedingEffect final : public Effect, public PictureSource {
         Clock::simulation, "bleeding", "bleeding", [](void* self, const Tick& tick) { static_cast<BleedingEffect*>(self)->run(tick); },
         this);
     cut_ = step.now(slots::kCut);
-    asked_ = step.now(slots::kSpinAsked);
-    (void)step.now_if_written(slots::kRemoval);  // after the bone was cut
+    removal_ = step.now_if_written(slots::kRemoval);
     coolant_ = step.now_if_written(slots::kCoolant);
     state_ = step.own(slots::kBleeding);
     step.column("blood_flow", "m3/s", &flow_);
@@ -164,7 +163,7 @@ class BleedingEffect final : public Effect, public PictureSource {
     if (scene_.wax == Wax::after) {
       if (waxings_ > 0 || time_ < scene_.wax_time) return;
     } else {
-      idle_ = *asked_ > 0.0 ? 0.0 : idle_ + dt;
+      idle_ = removal_->mass > 0.0 ? 0.0 : idle_ + dt;
       if (idle_ < scene_.wax_time || !(site_.open_pores() > 0.0)) return;
     }
     (void)site_.wax(scene_.wax_depth);
@@ -203,7 +202,7 @@ class BleedingEffect final : public Effect, public PictureSource {
   Pose approach_from_bone_;
   double thickness_;                // [m] of bone along the axis
   std::vector<float> density_;      // scratch
-  double time_ = 0.0, idle_ = 0.0;  // [s] of bone steps; since the spindle last ran
+  double time_ = 0.0, idle_ = 0.0;  // [s] of bone steps; since bone was last removed
   double flow_ = 0.0, bled_ = 0.0, in_hole_ = 0.0, level_ = 0.0;
   double peak_ = 0.0, highest_ = 0.0;     // [m^3/s], [m]
   double bleeding_ = 0.0, hidden_ = 0.0;  // [s]
@@ -212,7 +211,7 @@ class BleedingEffect final : public Effect, public PictureSource {
   bool bone_moved_ = true;  // or its wax, since that copy
   double seen_level_ = 0.0, seen_hidden_ = 0.0;
   const Cut* cut_ = nullptr;
-  const double* asked_ = nullptr;  // [rev/s]
+  const BoneRemoval* removal_ = nullptr;
   const Coolant* coolant_ = nullptr;
   BleedingState* state_ = nullptr;
   const BleedingState* seen_ = nullptr;
@@ -316,8 +315,8 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
     for (const auto& [word, wax] : kWaxWords) words.emplace_back(word);
     const std::string word =
         table.choice("wax", words.front(), words,
-                     "wax on the opened pores: none; after: once, wax_s after the start; drilled: wax_s after the drill "
-                     "was stopped");
+                     "wax on the opened pores: none; after: once, wax_s after the start; drilled: wax_s after bone was "
+                     "last removed");
     c.wax = std::ranges::find(kWaxWords, word, [](const auto& one) { return std::string(one.first); })->second;
     if (c.wax == Wax::none) {
       for (const char* const key : {"wax_s", "wax_mm"})
