@@ -50,6 +50,7 @@ class OffscreenSink final : public PictureSink {
   void update(const TexelBox& texels) override { renderer_.update(texels); }
   Status move_detail(const DetailView& view) override { return renderer_.set_detail(view); }
   Status change_tool(const TriangleMesh& tool) override { return renderer_.set_tool(tool); }
+  Status set_added(const std::shared_ptr<const AddedMesh>& mesh) override { return renderer_.set_added(mesh); }
   void forget() override { renderer_.forget(); }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     if (budget_ && !expected_)

@@ -71,7 +71,7 @@ void FrameCache::texels_changed(const VoxelBox& box) {
   if (key_) changed_.add(box);
 }
 
-StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const DrawnAdded& added,
                                    const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const {
   StalePixels out;
   if (!key_ || !same(*key_, key) || Vec2i(picture_.width, picture_.height) * supersample_ != drawn) {
@@ -87,10 +87,12 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   };
   footprints(layers ? reach : reach.with_occlusion(), region);
   PixelRegion moved;
+  const auto redraw = [&](const PixelRect& place) { (layers ? moved : region).add(in_blocks(place, supersample_)); };
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
-      for (const PixelRect& place : one ? std::vector{one->footprint, one->shadow} : std::vector<PixelRect>{})
-        (layers ? moved : region).add(in_blocks(place, supersample_));
+      for (const PixelRect& place : one ? std::vector{one->footprint, one->shadow} : std::vector<PixelRect>{}) redraw(place);
+  if (added_.version != added.version)
+    for (const DrawnAdded& one : {added_, added}) redraw(one.footprint);
   out.drawn.assign(region.rects().begin(), region.rects().end());
   for (const PixelRect& part : outside(missing_, region.rects())) out.drawn.push_back(part);
   if (!layers) return out;
@@ -125,8 +127,8 @@ std::vector<StalePixels> StalePixels::in_bands(int supersample, int focus) const
   return out;
 }
 
-void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-                      std::span<Image> shrunk, std::vector<PixelRect> missing) {
+void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const DrawnAdded& added,
+                      std::span<const PixelRect> rects, std::span<Image> shrunk, std::vector<PixelRect> missing) {
   BH_ASSERT(rects.size() == shrunk.size());
   const Vec2i size = drawn / supersample_;
   if (!missing.empty() && !picture_.pixels.empty()) picture_ = enlarge(std::move(picture_), size.x, size.y);
@@ -143,6 +145,7 @@ void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<Draw
   }
   key_ = std::move(key);
   tool_ = tool;
+  added_ = added;
   changed_.clear();
   missing_ = std::move(missing);
 }

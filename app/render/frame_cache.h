@@ -29,11 +29,18 @@ struct DrawnTool {
   PixelRect shadow{};  ///< with layers, where its shadow on bone may be; empty without shadows
 };
 
+/// Position of what effects add; version 0 without it.
+struct DrawnAdded {
+  std::uint64_t version = 0;  ///< two with one version have the same triangles
+  PixelRect footprint{};
+};
+
 /// What a picture must draw.
 struct StalePixels {
   std::vector<PixelRect> drawn;  ///< disjoint: rays and light; without layers also the tool
   std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
-  std::vector<PixelRect> tool;   ///< with layers, beside both, disjoint: where the tool or its shadow is, or was in the last picture
+  /// With layers, beside both, disjoint: where the tool, its shadow or what effects add has changed.
+  std::vector<PixelRect> tool;
   VoxelBox changed;              ///< round all texels that changed since the last picture
 
   /// @returns all rectangles.
@@ -60,19 +67,20 @@ class FrameCache {
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
   /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param layers the tool is drawn
   /// over a copy of the picture of the bone; then hits can be relit, if `reach.occlusion` is not 0.
-  [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+  [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const DrawnAdded& added,
                                        const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
   /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture; of one that is the whole
   /// picture the memory is taken, and that of the last picture is left in its place. @param missing what was not drawn of the stale pixels,
   /// disjoint: the next find_stale() returns it again.
-  void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-            std::span<Image> shrunk, std::vector<PixelRect> missing = {});
+  void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const DrawnAdded& added,
+            std::span<const PixelRect> rects, std::span<Image> shrunk, std::vector<PixelRect> missing = {});
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 
  private:
   int supersample_;
   std::optional<FrameKey> key_;
   std::optional<DrawnTool> tool_;
+  DrawnAdded added_;
   BoxList<VoxelBox, 32> changed_;   // since the last picture
   std::vector<PixelRect> missing_;  // of the last picture
   Image picture_;

@@ -81,9 +81,11 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
     for (const Vec3& corner : tool->corners_at(*view.world_from_tool)) points.push_back(corner);
   if (skin)
     for (const Vec3& corner : skin->corners()) points.push_back(view.world_from_bone * corner);
+  if (added)
+    for (const Vec3& corner : added->corners_at(view.world_from_bone)) points.push_back(corner);
   range = fit_depth_range(rays.value(), points);
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
-  if (mesh) fill_bone_place(block, view.world_from_bone, clip_from_world(rays.value(), range));
+  if (mesh || added) fill_bone_place(block, view.world_from_bone, clip_from_world(rays.value(), range));
   if (skin) fill_skin(block, skin->look(), view.world_from_bone, clip_from_world(rays.value(), range));
   if (volume && options.slices) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
@@ -124,7 +126,7 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
   if (Status made = prepare(target, &spare_target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
-  const bool layers = has_layers(), over_copy = layers && (tool || skin);
+  const bool layers = has_layers(), over_copy = layers && (tool || skin || added);
   if (over_copy)
     if (Status made = prepare(shown, &spare_shown, drawn.x, drawn.y, has_tool_shadow() ? TargetKind::shaded : TargetKind::shown); !made)
       return made.error();
@@ -136,11 +138,12 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   if (has_bone()) world_from_index = place_bone(view);
   const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
   const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
+  const DrawnAdded drawn_added = place_added(view, block.value(), drawn);
   if (!options.keep_picture) {
     cache.forget();
     seconds.reset();  // a step would begin anew each time
   }
-  const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach, layers);
+  const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, drawn_added, world_from_index, reach, layers);
   fill_changed(block.value(), stale.changed);
   const int focus = drawn_tool ? (drawn_tool->footprint.lo.y + drawn_tool->footprint.hi.y) / 2 : drawn.y / 2;
   std::vector<PixelRect> rects;
@@ -166,7 +169,7 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
     counters.drawn_pixels += *relit / static_cast<std::uint64_t>(n * n);
   }
   const bool whole = missing.empty();
-  cache.keep(std::move(key), drawn, drawn_tool, rects, std::span(read_parts).first(rects.size()), std::move(missing));
+  cache.keep(std::move(key), drawn, drawn_tool, drawn_added, rects, std::span(read_parts).first(rects.size()), std::move(missing));
   may_grow = false;
   if (whole) ++counters.frames;
   for (const PixelRect& part : stale.tool) counters.tool_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
@@ -327,6 +330,20 @@ Status Renderer::set_tool(const TriangleMesh& mesh) {
   if (!made) return made.error();
   impl_->tool = std::move(made).value();
   impl_->cache.forget();
+  return {};
+}
+
+Status Renderer::set_added(const std::shared_ptr<const AddedMesh>& mesh) {
+  if (mesh == nullptr) {
+    impl_->added.reset();
+    return {};
+  }
+  const Status current = impl_->context.make_current();
+  if (!current) return current;
+  auto made = AddedMeshBuffer::create(impl_->gl, *mesh, impl_->added_versions + 1);
+  if (!made) return made.error();
+  ++impl_->added_versions;
+  impl_->added = std::move(made).value();
   return {};
 }
 

@@ -21,6 +21,8 @@
 
 namespace burrhole {
 
+struct AddedMesh;
+
 /// Slices across the volume axis nearest to the direction of view, back to front. Opacity is the density: no sharp surface, no finish, no
 /// empty space skipping, and no probe.
 struct SliceOptions {
@@ -73,7 +75,7 @@ struct RenderCounters {
   std::uint64_t frames = 0;             ///< pictures drawn, those of probe() included
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
-  std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool and its shadow were drawn, over a copy of the bone
+  std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool, its shadow and what effects add were drawn, over a copy of the bone
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 
@@ -117,6 +119,10 @@ class Renderer {
   /// Replaces the tool. @returns ErrorCode::bad_input for an invalid mesh; the old tool is then kept.
   [[nodiscard]] Status set_tool(const TriangleMesh& mesh);
 
+  /// Replaces what effects add to the following pictures; null: nothing. @returns ErrorCode::bad_input as AddedMeshBuffer::create; the old one is
+  /// then kept.
+  [[nodiscard]] Status set_added(const std::shared_ptr<const AddedMesh>& mesh);
+
   /// Reports that bone may have grown. Call it before the update() of that bone. Until the next draw(), update() searches for bone that
   /// grew, and that draw() draws all pixels.
   void forget() noexcept;
@@ -129,7 +135,7 @@ class Renderer {
   void set_lights(const SurfaceLights& lights) noexcept;
 
   /// Draws one picture. If no volume is set, it shows background and tool only. The same view, volume and tool give the same bytes. If only
-  /// texels or the pose of the tool have changed since the last picture, it draws the pixels that they can affect (the tool at its old and
+  /// texels or the pose of the tool have changed since the last picture, or what effects add, it draws the pixels that they can affect (the tool at its old and
   /// new position) and keeps the others; after any other change, and without keep_picture, it draws all pixels.
   /// @returns ErrorCode::out_of_range for a size, camera, light, background or cut outside its range; unavailable if the driver cannot draw
   /// the size.

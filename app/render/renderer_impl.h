@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/render/added_mesh_buffer.h"
 #include "app/render/bone_buffer.h"
 #include "app/render/bone_paint.h"
 #include "app/render/frame_block.h"
@@ -54,6 +55,8 @@ struct Renderer::Impl {
   std::optional<ToolMesh> tool;
   std::optional<ToolDepth> tool_depth;  ///< made when the tool's shadow is first drawn
   std::optional<SkinMesh> skin;         ///< drawn where has_layers()
+  std::optional<AddedMeshBuffer> added;
+  std::uint64_t added_versions = 0;
   FrameCache cache;
   std::vector<Image> read_parts;          ///< drawn parts of the last picture, whose memory the next ones take
   bool may_grow = false;                  ///< forget() came since the last picture
@@ -91,6 +94,7 @@ struct Renderer::Impl {
     GLuint background = 0, volume = 0, light = 0, tool = 0;  ///< light: on the surface that rays hit
     GLuint detail = 0, detail_light = 0;                     ///< those of the detail, if there is one
     GLuint stale_occlusion = 0, detail_stale_occlusion = 0;  ///< mark the hits to be relit, if any
+    GLuint added = 0;                                        ///< of what effects add, if there is anything
     GLuint skin = 0, rim = 0;                                ///< of the skin, if there is one
     GLuint tool_depth = 0, tool_shadow = 0;                  ///< of the tool's shadow, if it is drawn: seen from the light, and marks
     GLuint shaded = 0, detail_shaded = 0;                    ///< light on the hits in the tool's shadow
@@ -128,6 +132,7 @@ struct Renderer::Impl {
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
+  void draw_added(const PixelRect& part, const Programs& used) const;
   void draw_skin(const Programs& used) const;
   void draw_tool_shadow(const PixelRect& part, const Programs& used) const;
   void draw_slices(GLuint program, int count) const;
@@ -148,11 +153,14 @@ struct Renderer::Impl {
   Status make_tool_depth();
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, ToolPass pass, bool with_stale);
+  Result<Programs> find_bone_programs(bool cut, ToolPass pass, bool with_stale);
   [[nodiscard]] TargetKind bone_kind() const noexcept;
   /// Makes `into` a target of that size and kind. @param spare keeps the last larger one, and gives it back; null: none is kept.
   Status prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
-  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool);
+  [[nodiscard]] DrawnAdded place_added(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
+  /// @param over_copy tool and added triangles are drawn later, over a copy.
+  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool, bool over_copy);
   /// @param drawn_tool where it meets the part; absent: not at all.
   void draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const;
   /// @returns the number of drawn pixels that were only lit again.

@@ -19,6 +19,13 @@ void Renderer::Impl::draw_tool(GLuint program) const {
   tool->draw();
 }
 
+void Renderer::Impl::draw_added(const PixelRect& part, const Programs& used) const {
+  if (!added) return;
+  scissor(part);
+  gl.UseProgram(used.added);
+  added->draw();
+}
+
 /// The opaque edge of the opening, then the shell blended over what is there, where neither bone nor tool nor edge is nearer. Of each pixel only
 /// the nearest layer of the shell is drawn: a first pass writes its depth. Both passes have the same program, so their depths are equal.
 void Renderer::Impl::draw_skin(const Programs& used) const {
@@ -221,6 +228,15 @@ Status Renderer::Impl::prepare(GlTarget& into, GlTarget* spare, int width, int h
 }
 
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool with_stale) {
+  auto out = find_bone_programs(cut, pass, with_stale);
+  if (!out || !added) return out;
+  const auto found = programs.find_or_link(added_variant({.pass = pass, .cut = cut, .fog = has_fog}));
+  if (!found) return found.error();
+  out->added = found.value();
+  return out;
+}
+
+Result<Renderer::Impl::Programs> Renderer::Impl::find_bone_programs(bool cut, ToolPass pass, bool with_stale) {
   const bool probe = pass == ToolPass::probe;
   const auto empty = programs.find_or_link(background_variant(has_table, has_fog));
   if (!empty) return empty.error();
@@ -298,13 +314,19 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
   return out;
 }
 
+DrawnAdded Renderer::Impl::place_added(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
+  if (!added) return {};
+  return {added->version(), find_footprint(rays_of(block), added->corners_at(view.world_from_bone), drawn)};
+}
+
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
-void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) {
+void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool, bool over_copy) {
   scissor(part);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (mesh) {
     draw_mesh(part, block, used.background, used.volume);
     if (with_tool) draw_tool(used.tool);
+    if (!over_copy) draw_added(part, used);
     return;
   }
   const bool opaque = !volume || has_surface();
@@ -313,6 +335,7 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   else
     draw_screen(used.background);
   if (with_tool) draw_tool(used.tool);
+  if (!over_copy) draw_added(part, used);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
@@ -339,18 +362,19 @@ void Renderer::Impl::draw_tool_shadow(const PixelRect& part, const Programs& use
   gl.Enable(GL_DEPTH_TEST);
 }
 
-/// The picture: the bone with the tool's shadow, and over it tool and skin where no bone is nearer.
+/// The picture: the bone with the tool's shadow, and over it tool, what effects add, and skin where no bone is nearer.
 void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const {
   scissor(part);
   target.copy_picture(shown, part);
   const PixelRect shade = drawn_tool ? drawn_tool->shadow.intersect(part) : PixelRect{};
   if (!shade.empty()) draw_tool_shadow(shade, used);
   const bool with_tool = drawn_tool && !drawn_tool->footprint.intersect(part).empty();
-  if (!with_tool && !skin) return;
+  if (!with_tool && !skin && !added) return;
   scissor(part);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.BindTextureUnit(4, target.hits());
   if (with_tool) draw_tool(used.tool);
+  draw_added(part, used);
   if (skin) draw_skin(used);
 }
 
@@ -374,7 +398,7 @@ Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const Fra
   gl.Enable(GL_SCISSOR_TEST);
   const bool layers = pass == ToolPass::layer;
   const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
-  for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part));
+  for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part), layers);
   const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
   if (layers) {
     const std::vector<PixelRect> parts = stale.all();

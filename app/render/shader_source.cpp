@@ -156,6 +156,15 @@ ShaderVariant tool_variant(ToolPass pass, bool fog) {
   return variant;
 }
 
+ShaderVariant added_variant(const AddedChoice& choice) {
+  ShaderVariant variant{"added", "added.vert", "added.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.pass == ToolPass::probe, "PROBE", "_probe");
+  add_define(variant, choice.pass == ToolPass::layer, "LAYER", "_layer");
+  add_define(variant, choice.fog, "FOG", "_fog");
+  return variant;
+}
+
 ShaderVariant tool_depth_variant() { return {"tool_depth", "tool_depth.vert", "tool_depth.frag", {}}; }
 
 ShaderVariant tool_shadow_variant() { return {"tool_shadow", "screen.vert", "tool_shadow.frag", {}}; }
@@ -275,6 +284,8 @@ std::vector<ShaderVariant> all_shader_variants() {
                                      .fog = bit(bits, 4),
                                      .exterior = bit(bits, 5),
                                      .interior = bit(bits, 6)}));
+  for (const ToolPass pass : {ToolPass::picture, ToolPass::probe, ToolPass::layer})
+    for (unsigned bits = 0; bits < 4; ++bits) variants.push_back(added_variant({.pass = pass, .cut = bit(bits, 0), .fog = bit(bits, 1)}));
   add_fog_variants(options(kDefault), options(kAllOptions), variants);
   return variants;
 }

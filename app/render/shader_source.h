@@ -75,6 +75,9 @@ struct SkinChoice {
   bool rim = false;  ///< the cut edge of the opening
 };
 
+/// The tool, and what effects add: into the picture of the bone, with a probe or not; or over a copy of it.
+enum class ToolPass { picture, probe, layer };
+
 /// Options of triangles.
 struct MeshChoice {
   bool cut = false;
@@ -86,14 +89,20 @@ struct MeshChoice {
   bool interior = false;  ///< a texture where bone was cut
 };
 
+/// Options of what effects add.
+struct AddedChoice {
+  ToolPass pass = ToolPass::picture;
+  bool cut = false;
+  bool fog = false;
+};
+
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 [[nodiscard]] ShaderVariant surface_variant(const SurfaceChoice& choice);
 /// Marks the hits whose ambient occlusion may have changed; the appearance counts for their normals only.
 [[nodiscard]] ShaderVariant stale_occlusion_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
-/// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
-enum class ToolPass { picture, probe, layer };
+[[nodiscard]] ShaderVariant added_variant(const AddedChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(ToolPass pass, bool fog = false);
 /// Depths of the tool seen from the light.
 [[nodiscard]] ShaderVariant tool_depth_variant();

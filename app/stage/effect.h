@@ -27,6 +27,7 @@
 
 namespace burrhole {
 
+class PictureSource;
 class Stage;
 
 /// Combined requirements of a scene's effects. The stage creates only what is required.
@@ -128,6 +129,8 @@ class Effect {
   virtual void warn(std::vector<std::string>&) const {}
   /// @returns timers in addition to those of its steps.
   [[nodiscard]] virtual std::vector<NamedTimer> timers() const { return {}; }
+  /// @returns what the effect adds to pictures (app/view/added_mesh.h); null: nothing. Called once, after all effects are made.
+  [[nodiscard]] virtual PictureSource* picture_source() noexcept { return nullptr; }
   /// Prepares for the stage's new tool; bind() is called afterwards.
   [[nodiscard]] virtual Status change_tool(Stage&) { return {}; }
 };

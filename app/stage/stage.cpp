@@ -128,6 +128,9 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
     if (!effect) return effect.error();
     effects_.push_back({item.table, std::move(effect).value()});
   }
+  if (frame_ != nullptr)
+    for (const MadeEffect& one : effects_)
+      if (PictureSource* source = one.effect->picture_source()) frame_->add(*source);
   if (Status held = build_hand(); !held) return held;
   const ServoConfig limits = servo_config(config, needs, voxel_edge());
   if (Status valid = check(limits); !valid) return valid;

@@ -179,8 +179,9 @@ void FrameStep::follow(const VoxelBox& changed) {
   if (depth(moved) < depth(*detail_) + 2 * moved.factor) return;
   detail_ = moved;
   moved_ = make_detail();
-  // The new detail has all changes so far.
+  // The new detail has all changes of bone so far.
   for (std::size_t n = 0; n < filled_; ++n) batch_[n].own.box = {};
+  for (const SoftTop* top : soft_tops_) add_changed(top->extent());
 }
 
 void FrameStep::read_change(const VoxelBox& box, Change& out) const {
@@ -199,14 +200,14 @@ void FrameStep::read_change(const VoxelBox& box, Change& out) const {
 void FrameStep::make_change(const Change& change, std::vector<TexelBox>& out) const {
   const float dead_zone = voxmap_->config().gradient_dead_zone;
   if (!coarse_) {
-    out.push_back(make_texels(voxmap_->bone(), dead_zone, change.own));
+    out.push_back(make_texels(voxmap_->bone(), dead_zone, change.own, soft_tops_));
     if (brain_) brain_->add_to(out.back(), voxmap_->bone().bone_from_index());
     return;
   }
-  out.push_back(make_texels(coarse_->loaded(), dead_zone, change.coarse));
+  out.push_back(make_texels(coarse_->loaded(), dead_zone, change.coarse, soft_tops_));
   if (brain_) brain_->add_to(out.back(), coarse_->loaded().bone_from_index());
   if (change.own.box.empty()) return;
-  TexelBox own = make_texels(voxmap_->bone(), dead_zone, change.own);
+  TexelBox own = make_texels(voxmap_->bone(), dead_zone, change.own, soft_tops_);
   if (is_blended(*detail_, own.box)) blend_with_coarse(*detail_, out.back(), own);
   if (brain_) brain_->add_to(own, voxmap_->bone().bone_from_index());
   own.box = {own.box.lo - detail_->box.lo, own.box.hi - detail_->box.lo};
@@ -224,10 +225,37 @@ void FrameStep::gather_rest(double turned) {
   fill_batch(std::numeric_limits<std::size_t>::max(), 0.0);
 }
 
+/// @param box [m] bone frame, of texels to be made anew.
+void FrameStep::add_changed(const Bounds& box) {
+  if (!glm::all(glm::lessThanEqual(box.lo, box.hi))) return;
+  const auto [lo, hi] = bounds_under(voxmap_->bone().bone_from_index().inverse(), box);
+  queue_.add(VoxelBox{floor_int(lo) - 1, floor_int(hi) + 3}.intersect(voxmap_->bone().bounds()));
+}
+
+void FrameStep::copy_sources() {
+  if (sources_.empty()) return;
+  soft_tops_.clear();
+  for (PictureSource* source : sources_) {
+    added_changed_ = source->copy_for_picture() || added_changed_;
+    const SoftTop* top = source->soft_top();
+    if (top == nullptr) continue;
+    soft_tops_.push_back(top);
+    add_changed(top->changed());
+  }
+}
+
+Status FrameStep::send_added() {
+  if (!std::exchange(added_changed_, false)) return {};
+  auto mesh = std::make_shared<AddedMesh>();
+  for (const PictureSource* source : sources_) source->append_mesh(*mesh);
+  return sink_->set_added(mesh->triangles.empty() ? nullptr : std::move(mesh));
+}
+
 /// @param seconds 0: no limit.
 void FrameStep::fill_batch(std::size_t most, double seconds) {
   constexpr std::size_t kBetweenChecks = 4096;  // texels, a fraction of a millisecond
   make_time_ = seconds;
+  copy_sources();
   timers_.texels([&] {
     for (const VoxelBox& box : voxmap_->take_dirty(listener_)) {
       queue_.add(box.intersect(voxmap_->bone().bounds()));
@@ -319,7 +347,7 @@ Status FrameStep::send_changes() {
   if (has_grown_) sink_->forget();
   if (Status sent = send_batch(); !sent) return sent;
   has_grown_ = has_grown_ && (filled_ > 0 || !queue_.empty());  // boxes that are not sent yet may have grown
-  return {};
+  return send_added();
 }
 
 Status FrameStep::film(const Pose& world_from_tool) {

@@ -3,10 +3,12 @@
 ///   Thread  one at a time: gather() by the owner of the bone, draw() by the frame thread.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/view/added_mesh.h"
 #include "app/view/assumed_brain.h"
 #include "app/view/detail.h"
 #include "app/view/display_config.h"
@@ -29,6 +31,8 @@ class FrameSink {
   [[nodiscard]] virtual Status move_detail(const DetailView&) { return {}; }
   /// Replaces the tool from the next picture on.
   [[nodiscard]] virtual Status change_tool(const TriangleMesh&) { return {}; }
+  /// Replaces what effects add to the pictures, from the next one on; null: nothing.
+  [[nodiscard]] virtual Status set_added(const std::shared_ptr<const AddedMesh>&) { return {}; }
   /// Discards everything cached from earlier pictures. Called when bone may have been restored.
   virtual void forget() {}
   /// Draws and stores one picture, and adds its pixels to `hash`.
@@ -49,6 +53,8 @@ class FrameStep {
   /// Sends the whole volume once; a bone that is too large for one texture in two levels (detail.h). Errors also of CoarseBone.
   [[nodiscard]] static Result<FrameStep> create(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach,
                                                 const Tool& tool, Voxmap& voxmap, FrameSink& sink);
+  /// Adds what an effect shows to all pictures from the next gather() on. It must outlive this. Called while no clock runs.
+  void add(PictureSource& source) { sources_.push_back(&source); }
   /// Copies changed density into the batch, up to the scene's budget; the rest stays queued for the next call. Called by the owner of the
   /// bone while no picture is drawn. @param turned [rev] rotation of the spindle, at which the next picture shows the bit.
   void gather(double turned = 0.0);
@@ -94,6 +100,9 @@ class FrameStep {
   double turned_ = 0.0;  // [rev]
   Voxmap* voxmap_;
   FrameSink* sink_;
+  std::vector<PictureSource*> sources_;
+  std::vector<const SoftTop*> soft_tops_;  // of them
+  bool added_changed_ = false;             // since the last picture
   std::size_t listener_;
   [[nodiscard]] Result<VolumeView> make_levels(const Pose& bone_from_approach);
   [[nodiscard]] DetailView make_detail() const;
@@ -103,6 +112,9 @@ class FrameStep {
   void make_change(const Change& change, std::vector<TexelBox>& out) const;
   void follow(const VoxelBox& changed);
   void fill_batch(std::size_t most, double seconds);
+  void copy_sources();
+  void add_changed(const Bounds& box);
+  [[nodiscard]] Status send_added();
   [[nodiscard]] Status send_batch();
   [[nodiscard]] Status send_changes();
   [[nodiscard]] Status draw_view(const std::string& name, const FrameView& view, Hash64& hash);

@@ -27,14 +27,28 @@ struct Slab {
   std::vector<Vec3f> gradient;  ///< of bone's density or soft tissue's occupancy; index axes
 };
 
+/// Leaves out the soft tissue above a face that an effect has moved.
+void limit_soft(const BoneModel& bone, const SoftTop& top, const VoxelBox& box, std::vector<float>& soft) {
+  const double edge = bone.bone_from_index().mean_edge();
+  const Bounds extent = top.extent();
+  std::size_t n = 0;
+  for_each_voxel(box, [&](const Vec3i& v) {
+    float& one = soft[n++];
+    const Vec3 p = bone.bone_from_index() * Vec3(v);
+    if (one > 0.0f && glm::all(glm::lessThanEqual(extent.lo, p)) && glm::all(glm::lessThanEqual(p, extent.hi)))
+      one = std::min(one, static_cast<float>(top.shown(p, edge)));
+  });
+}
+
 /// Central differences of soft tissue where its gradient is about as large as that of bone or larger: on dura that bone no longer covers,
 /// and where bone lies on it. There, opposite normals of the two tissues would cancel in the texture filter.
-void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, float dead_zone, Slab& slab) {
+void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, float dead_zone, std::span<const SoftTop* const> tops, Slab& slab) {
   slab.soft.resize(part.count());
   const VoxelBox halo = part.grown(1);
   std::vector<float> soft(halo.count());
   bone.read_soft(halo, soft);
   if (std::all_of(soft.begin(), soft.end(), [](float s) { return s == 0.0f; })) return;
+  for (const SoftTop* top : tops) limit_soft(bone, *top, halo, soft);
   const Vec3i size = halo.size();
   const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
   std::size_t n = 0;
@@ -49,11 +63,12 @@ void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, float dead
 }
 
 /// @param from dense density over a box that holds `part` and a voxel round it.
-Slab make_slab(const BoneModel& bone, float dead_zone, const DensityBlock& from, const VoxelBox& part) {
+Slab make_slab(const BoneModel& bone, float dead_zone, const DensityBlock& from, const VoxelBox& part,
+               std::span<const SoftTop* const> tops = {}) {
   Slab slab{std::vector<float>(part.count()), {}, std::vector<Vec3f>(part.count())};
   copy_part(part, from.box, from.density.data(), part, slab.density.data());
   update_gradient(from, part, dead_zone, part, slab.gradient);
-  take_soft_gradients(bone, part, dead_zone, slab);
+  take_soft_gradients(bone, part, dead_zone, tops, slab);
   return slab;
 }
 
@@ -79,7 +94,7 @@ void read_texel_source(const DrawnBone& bone, const VoxelBox& box, TexelSource& 
   bone.read_density(halo, out.density);
 }
 
-TexelBox make_texels(const BoneModel& bone, float dead_zone, const TexelSource& source) {
+TexelBox make_texels(const BoneModel& bone, float dead_zone, const TexelSource& source, std::span<const SoftTop* const> tops) {
   TexelBox out;
   if (source.box.empty()) return out;
   out.box = source.box;
@@ -87,7 +102,7 @@ TexelBox make_texels(const BoneModel& bone, float dead_zone, const TexelSource& 
   out.field.reserve(out.box.count());
   const Mat3 normal_map = normal_map_of(bone);
   for_each_slab(out.box, [&](const VoxelBox& part) {
-    const Slab slab = make_slab(bone, dead_zone, {out.box.grown(1), source.density}, part);
+    const Slab slab = make_slab(bone, dead_zone, {out.box.grown(1), source.density}, part, tops);
     for (std::size_t n = 0; n < slab.density.size(); ++n) {
       out.normal_opacity.push_back(encode_normal(normal_of(normal_map, slab.gradient[n]), to_byte(static_cast<double>(slab.density[n]))));
       out.field.push_back(static_cast<std::uint16_t>(65535.0f * seen_of(slab, n) + 0.5f));

@@ -3,6 +3,9 @@
 ///   Source [AcostaLiu07] section 4, eq. 5. Colours are our own, from labels and hardness.
 #pragma once
 
+#include <span>
+
+#include "app/view/added_mesh.h"
 #include "app/view/drawn_bone.h"
 #include "app/view/view.h"
 
@@ -18,8 +21,9 @@ struct TexelSource {
 /// contains box.grown(1).
 void read_texel_source(const DrawnBone& bone, const VoxelBox& box, TexelSource& out);
 /// @returns the texels of `source`. Soft tissue is read from `loaded`, which is constant. @param dead_zone [density/voxel] shorter gradients
-/// are zero.
-[[nodiscard]] TexelBox make_texels(const BoneModel& loaded, float dead_zone, const TexelSource& source);
+/// are zero. @param tops where effects have moved the upper face of soft tissue.
+[[nodiscard]] TexelBox make_texels(const BoneModel& loaded, float dead_zone, const TexelSource& source,
+                                   std::span<const SoftTop* const> tops = {});
 
 /// @returns the present texels of a box, clipped to the volume; empty if the box is outside the volume.
 [[nodiscard]] TexelBox make_texels(const Voxmap& voxmap, const VoxelBox& box);

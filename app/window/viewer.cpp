@@ -385,7 +385,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const Change change = find_change(view, width, height);
   const bool other_quality = choose_quality(view, change);
   const double share = pace_.resolution();
-  const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
+  const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality && !added_changed_;
   if (drawn_ && same && whole_ && !(figures_.coarse && (refined_ || view.live.hand.spin > 0.0))) return;
   // Steps show the last picture in the rest: it must be one of this view.
   auto drawn = draw_eyes(change.frame, width, height, change.camera || !drawn_);
@@ -406,7 +406,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   last_bone_ = change.frame.world_from_bone;
   picture_width_ = width;
   picture_height_ = height;
-  bone_changed_ = false;
+  bone_changed_ = added_changed_ = false;
   drawn_ = true;
 }
 

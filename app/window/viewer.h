@@ -135,7 +135,7 @@ class Viewer {
   Time sliced_{};
   std::optional<FrameView> base_;
   std::string note_;  // of the volume: what of the picture is assumed
-  bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
+  bool tool_turns_ = true, bone_changed_ = false, added_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
   bool whole_ = true;                     // false: the picture is drawn in steps, and pixels are missing
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   SurfaceLights run_lights_;

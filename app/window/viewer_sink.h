@@ -44,6 +44,13 @@ class Viewer::Sink final : public PictureSink {
       return own().change_tool(tool);
     });
   }
+  Status set_added(const std::shared_ptr<const AddedMesh>& mesh) override {
+    viewer_->post([v = viewer_, mesh] {
+      v->added_changed_ = true;
+      if (Status set = v->parts_.sink->set_added(mesh); !set) v->state_->say("What effects show cannot be drawn: " + set.error().text(), true);
+    });
+    return {};
+  }
   void forget() override {
     viewer_->post([v = viewer_] {
       v->send_texels();
