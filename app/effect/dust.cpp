@@ -10,6 +10,7 @@
 #include "app/stage/coolant.h"
 #include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
+#include "app/view/debris_mesh.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
@@ -30,9 +31,9 @@ struct SuctionConfig {
 
 struct DustScene {
   DebrisConfig field{};
-  double reach = 20e-3;      ///< [m] from the drilled line to the edge of the site
+  double reach = 20e-3;       ///< [m] from the drilled line to the edge of the site
   double heap_cell = 0.5e-3;  ///< [m]
-  std::optional<Vec3> down;  ///< [-] world frame; absent: along the drilled line, into bone
+  std::optional<Vec3> down;   ///< [-] world frame; absent: along the drilled line, into bone
   std::optional<SuctionConfig> suction;
   std::string place;
 };
@@ -48,6 +49,7 @@ class DustEffect final : public Effect {
   DustEffect(const DustScene& scene, DebrisField field, Stage& stage)
       : scene_(scene),
         field_(std::move(field)),
+        picture_(field_),
         stage_(&stage),
         voxmap_(stage.voxmap.get()),
         listener_(voxmap_->add_listener()),
@@ -73,6 +75,7 @@ class DustEffect final : public Effect {
     step.column("dust_hidden", "", &hidden_);
     return {};
   }
+  PictureSource* picture_source() noexcept override { return &picture_; }
   Status change_tool(Stage&) override {
     measure_bit();
     return {};
@@ -140,8 +143,7 @@ class DustEffect final : public Effect {
     return sampler_->births();
   }
   void read_bone(const VoxelBox& box, LossSampler* sampler) {
-    for_each_layer(box,
-                   [&](const VoxelBox& layer, std::span<const float> density) { field_.site().set_bone(layer, density, sampler); });
+    for_each_layer(box, [&](const VoxelBox& layer, std::span<const float> density) { field_.site().set_bone(layer, density, sampler); });
   }
   /// Layer by layer: the densities of all voxels would take four times the memory of the site.
   template <class F>
@@ -196,6 +198,7 @@ class DustEffect final : public Effect {
   static constexpr int kMostRaises = 512;  // half voxels
   DustScene scene_;
   DebrisField field_;
+  DebrisPicture picture_;
   Stage* stage_;
   Voxmap* voxmap_;
   std::size_t listener_;

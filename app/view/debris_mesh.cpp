@@ -10,13 +10,13 @@ namespace burrhole {
 namespace {
 
 constexpr glm::vec3 kChipColor(0.90f, 0.82f, 0.68f), kMistColor(0.96f, 0.93f, 0.88f);  // fresh bone meal, drier and whiter when fine
-constexpr float kDarkest = 0.80f;        // [-] of the colour, of the darkest flake
-constexpr std::uint8_t kMoist = 40;      // shine of chips
-constexpr float kFlat = 0.35f;           // [-] thickness of a flake over its width, before its volume is set
-constexpr float kUneven = 0.45f;         // [-] of a corner's distance, by which corners are moved
-constexpr float kResting = 0.5f;         // [-] of its ball, by which a settled particle's flakes lie above its place
-constexpr float kMistSpread = 1.5e-3f;   // [m]
-constexpr float kMistVolume = 0.02f;     // [-] of a mist particle's volume that is drawn
+constexpr float kDarkest = 0.80f;                                                      // [-] of the colour, of the darkest flake
+constexpr std::uint8_t kMoist = 40;                                                    // shine of chips
+constexpr float kFlat = 0.35f;          // [-] thickness of a flake over its width, before its volume is set
+constexpr float kUneven = 0.45f;        // [-] of a corner's distance, by which corners are moved
+constexpr float kResting = 0.5f;        // [-] of its ball, by which a settled particle's flakes lie above its place
+constexpr float kMistSpread = 1.5e-3f;  // [m]
+constexpr float kMistVolume = 0.02f;    // [-] of a mist particle's volume that is drawn
 constexpr std::size_t kMistFlakes = 6;
 constexpr std::array<glm::vec3, 4> kCorners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
@@ -84,8 +84,8 @@ void append_debris(std::span<const ShownDebris> particles, const glm::vec3& down
 bool DebrisPicture::copy_for_picture() {
   next_.clear();
   for (const DebrisParticle& one : field_->particles())
-    next_.push_back({glm::vec3(one.position), static_cast<float>(one.volume),
-                     static_cast<float>(field_->radius_of(one)), one.number, one.settled, one.is_mist});
+    next_.push_back({glm::vec3(one.position), static_cast<float>(one.volume), static_cast<float>(field_->radius_of(one)), one.number,
+                     one.settled, one.is_mist});
   down_ = glm::vec3(field_->site().down());
   const bool changed = !copied_ || next_ != shown_;
   copied_ = true;

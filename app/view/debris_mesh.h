@@ -1,7 +1,7 @@
 /// app/view/debris_mesh.h: chips and mist in pictures: each particle as some irregular flakes, tetrahedra, with the volume of its bone.
 ///   A settled particle has its flakes in the ball that its loose chips fill; a flying one in a ball kFlyingSpread times as wide;
 ///   mist is fine specks with a small part of its volume, as opaque triangles cannot show a veil.
-///   Frame  bone frame.   Units  m.   Errors  none.   Thread  any.   Random  from the number of a particle: a chip looks the same in all pictures.
+///   Frame  bone frame.   Units  m.   Errors  none.   Thread  any.   Random  from the number of a particle: a chip has the same flakes in all pictures.
 #pragma once
 
 #include <span>

@@ -3,7 +3,7 @@
 ///   24 / Re + 0.44, Stokes' drag for slow and fine chips and Newton's for fast and coarse ones.
 ///   Step    the rate a + b |v| of the middle of the step holds throughout it, and the linear equation is solved exactly: stable at any length,
 ///           exact in Stokes' limit, of second order otherwise, and the terminal speed is that of the closed form.
-///   Units   SI.   Errors  none.   Thread  any.   Source  drag of spheres: from memory, not verified; the step is our own derivation.
+///   Frame   any that is at rest.   Units   SI.   Errors  none.   Thread  any.   Source  drag of spheres: from memory, not verified; the step is our own derivation.
 #pragma once
 
 #include "core/base/geometry.h"

@@ -2,7 +2,7 @@
 ///   Particle  stands for many chips of one diameter: the diameter sets its drag, the volume what it fills. When the budget is full, particles
 ///           that lie in one heap cell are merged in pairs, and new ones are twice as large; if that frees none, new volume joins a particle
 ///           that exists. Merging keeps the volume.
-///   Way     removed bone is held by the bit (flutes, gap to the wall), which lets go of a share per revolution; it leaves at the mouth of the hole
+///   Way     removed bone is held by the bit (flutes, gap to the wall), which releases a share per revolution; it leaves at the mouth of the hole
 ///           by the rim of the bit, thrown along the rim. A particle flies (chip_flight.h), and where bone or a full heap cell blocks its way it
 ///           slides to a lower open cell or settles. What carries it goes: it falls again. A turning bit takes up what lies in its reach; one that
 ///           stops drops what it holds. Saline rinses (wash.h); suction takes what its inflow lifts; what leaves the site is lost.
@@ -56,22 +56,23 @@ struct DebrisParticle {
   bool is_mist = false;
 };
 
-/// The bit in a step. `axis` is unit and points up the shaft.
+/// The bit in a step.
 struct DebrisBit {
-  Vec3 tip{0.0}, axis{0.0, 0.0, 1.0};
-  double radius = 0.0;  ///< [m] of its cutting part
-  double height = 0.0;  ///< [m] of its cutting part
-  double spin = 0.0;    ///< [rev/s]
+  Vec3 tip{0.0};             ///< [m]
+  Vec3 axis{0.0, 0.0, 1.0};  ///< [-] unit, up the shaft
+  double radius = 0.0;       ///< [m] of its cutting part
+  double height = 0.0;       ///< [m] of its cutting part
+  double spin = 0.0;         ///< [rev/s]
 };
 /// Saline that wets what lies within a ball.
 struct DebrisRinse {
-  Vec3 centre{0.0};
+  Vec3 centre{0.0};    ///< [m]
   double reach = 0.0;  ///< [m]
   double flow = 0.0;   ///< [m^3/s] 0: none
 };
 /// A suction nozzle: the inflow at the distance r is flow / (4 pi r^2); what falls more slowly than that within reach is taken.
 struct DebrisSuction {
-  Vec3 nozzle{0.0};
+  Vec3 nozzle{0.0};    ///< [m]
   double reach = 0.0;  ///< [m]
   double flow = 0.0;   ///< [m^3/s] of air; 0: off
 };
@@ -85,9 +86,9 @@ struct DebrisStep {
   DebrisSuction suction{};
 };
 
-/// [m^3] sums since the start.
+/// Sums since the start.
 struct DebrisTotals {
-  double removed = 0.0, rinsed = 0.0, sucked = 0.0, lost = 0.0, undone = 0.0;
+  double removed = 0.0, rinsed = 0.0, sucked = 0.0, lost = 0.0, undone = 0.0;  ///< [m^3]
 };
 
 class DebrisField {

@@ -19,7 +19,7 @@ namespace burrhole {
 
 /// A voxel from which bone was removed, and what was left in it: if it has more later, bone was brought back.
 struct DebrisBirth {
-  Vec3i voxel{0};
+  Vec3i voxel{0};         ///< [voxels]
   std::uint8_t left = 0;  ///< [1/254]
 };
 

@@ -12,7 +12,7 @@ struct WashRate {
 /// @param wet [m^3] W before. @param dt [s]. @returns the volume [m^3] that left in dt, 0 to `wet`.
 [[nodiscard]] double washed(double wet, const WashRate& rate, double dt) noexcept;
 
-/// dC/dt = V / dt - k C, solved exactly: a volume V comes evenly over a step, and the bit lets go of the share k dt of what it holds.
+/// dC/dt = V / dt - k C, solved exactly: a volume V comes evenly over a step, and the bit releases the share k dt of what it holds.
 /// @param held [m^3] C before. @param arriving [m^3] V. @param decay [-] k dt >= 0. @returns C after the step.
 [[nodiscard]] double held_after(double held, double arriving, double decay) noexcept;
 

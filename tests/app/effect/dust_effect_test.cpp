@@ -33,24 +33,15 @@ struct Outcome {
 
 Outcome outcome_of(DrillRun& run) {
   const auto get = [&](const char* name) { return figure(run.simulation(), "dust", name); };
-  return {get("removed_mm3"),
-          figure(run.simulation(), "erosion", "removed_mass_mm3"),
-          get("held_mm3"),
-          get("flying_mm3"),
-          get("mist_mm3"),
-          get("settled_mm3"),
-          get("rinsed_mm3"),
-          get("sucked_mm3"),
-          get("lost_mm3"),
-          get("undone_mm3"),
-          get("balance_error"),
-          get("hidden_share"),
-          get("most_hidden_share"),
-          get("particles"),
-          get("most_particles"),
-          get("merged"),
-          run.voxel_hash(),
-          run.simulation().force_hash()};
+  return {get("removed_mm3"),       figure(run.simulation(), "erosion", "removed_mass_mm3"),
+          get("held_mm3"),          get("flying_mm3"),
+          get("mist_mm3"),          get("settled_mm3"),
+          get("rinsed_mm3"),        get("sucked_mm3"),
+          get("lost_mm3"),          get("undone_mm3"),
+          get("balance_error"),     get("hidden_share"),
+          get("most_hidden_share"), get("particles"),
+          get("most_particles"),    get("merged"),
+          run.voxel_hash(),         run.simulation().force_hash()};
 }
 
 Outcome drill(const std::string& tables, const std::vector<std::string>& sets = {}, const std::string& volume = kPlateKeys,

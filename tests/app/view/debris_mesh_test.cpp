@@ -44,10 +44,12 @@ TEST_CASE("debris mesh: flakes are closed and outward and have the volume of the
   CHECK(mesh_of({}).triangles.empty());
 }
 
-TEST_CASE("debris mesh: many particles have fewer flakes each, with the same volume; a particle looks the same wherever it is in the list") {
+TEST_CASE(
+    "debris mesh: many particles have fewer flakes each, with the same volume; a particle has the same flakes wherever it is in the list") {
   std::vector<ShownDebris> particles;
   for (std::uint32_t n = 0; n < 20'000; ++n)
-    particles.push_back({.position = glm::vec3(1e-3f * static_cast<float>(n % 5)), .volume = 1e-11f, .radius = 1e-4f, .number = n, .settled = true});
+    particles.push_back(
+        {.position = glm::vec3(1e-3f * static_cast<float>(n % 5)), .volume = 1e-11f, .radius = 1e-4f, .number = n, .settled = true});
   const AddedMesh mesh = mesh_of(particles);
   CHECK(mesh.triangles.size() == 4 * particles.size());
   std::ranges::reverse(particles);

@@ -55,9 +55,9 @@ TEST_CASE("debris site: full cells block, soft tissue stays, and a chip slides t
   site.set_fill(cell, static_cast<float>(site.cell_volume()));
   CHECK(site.is_blocked(place));
   CHECK_FALSE(site.is_solid(place));
-  CHECK(site.is_carried(place + Vec3(0.0, 0.0, 0.4e-3)));   // by the full cell below it
-  CHECK_FALSE(site.is_carried(place));                      // not by its own
-  CHECK(site.is_carried(Vec3(0.1e-3, 0.1e-3, -0.85e-3)));   // by bone
+  CHECK(site.is_carried(place + Vec3(0.0, 0.0, 0.4e-3)));  // by the full cell below it
+  CHECK_FALSE(site.is_carried(place));                     // not by its own
+  CHECK(site.is_carried(Vec3(0.1e-3, 0.1e-3, -0.85e-3)));  // by bone
   const VoxelBox all = site.voxels();
   site.set_floor(all, std::vector<std::uint8_t>(all.count(), 1));
   fill(site, [](const Vec3&) { return 0.0; });
