@@ -32,7 +32,7 @@ struct SuctionConfig {
 struct DustScene {
   DebrisConfig field{};
   double reach = 20e-3;       ///< [m] from the drilled line to the edge of the site
-  double heap_cell = 0.5e-3;  ///< [m]
+  double heap_cell = 0.6e-3;  ///< [m]
   std::optional<Vec3> down;   ///< [-] world frame; absent: along the drilled line, into bone
   std::optional<SuctionConfig> suction;
   std::string place;

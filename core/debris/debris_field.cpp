@@ -16,6 +16,7 @@ constexpr double kMostFlightSteps = 128;
 constexpr double kMistQuantum = 0.1;     // [-] volume of a particle of mist over one of chips
 constexpr double kMostPerStep = 64.0;    // new particles of a kind in a step; beyond it they are larger
 constexpr double kRinsedWhole = 1e-3;    // [-] of a new particle, below which the rest is rinsed as well
+constexpr std::size_t kLeastFreed = 8;   // a merge that frees less than this part of the budget is not tried again until the bit stands
 constexpr int kMostClimbs = 16;          // cells that a chip climbs over a full heap
 constexpr double kSpeedSpread = 0.5;     // [-] of the thrown speed, either way (an assumption)
 constexpr double kMostMouthSteps = 512;  // half voxels up the shaft: beyond any hole
@@ -50,7 +51,6 @@ double DebrisField::random() noexcept { return uniform01(config_.seed, drawn_++)
 
 void DebrisField::step(const DebrisStep& now) noexcept {
   totals_.removed += now.removed;
-  merged_now_ = false;
   if (!now.births.empty()) {
     birth_count_ = std::min(now.births.size(), births_.size());
     std::copy_n(now.births.begin(), birth_count_, births_.begin());
@@ -64,6 +64,7 @@ void DebrisField::step(const DebrisStep& now) noexcept {
     if (holds_ || now.removed > 0.0) drop(now);
   }
   holds_ = now.bit.spin > 0.0;
+  merged_now_ = merged_now_ && holds_;
   loosen();
   fly(now.dt);
   if (now.rinse.flow > 0.0) rinse(now.rinse, now.dt);
@@ -147,8 +148,9 @@ void DebrisField::drop(const DebrisStep& now) noexcept {
 
 void DebrisField::add(const DebrisParticle& one) noexcept {
   if (particles_.size() == config_.most_particles && !merged_now_) {
-    merged_ += merge_settled();
-    merged_now_ = true;
+    const std::size_t freed = merge_settled();
+    merged_ += freed;
+    merged_now_ = freed < config_.most_particles / kLeastFreed;
   }
   if (particles_.size() < config_.most_particles) {
     particles_.push_back(one);
@@ -159,25 +161,30 @@ void DebrisField::add(const DebrisParticle& one) noexcept {
 }
 
 std::size_t DebrisField::merge_settled() noexcept {
-  std::size_t freed = 0;
+  const std::size_t before = particles_.size();
+  // Blocks of twice the edge at each call: a heap of particles that each fill a cell merges too.
+  block_ *= 2.0;
+  const auto block_of = [this](const DebrisParticle& one) {
+    return one.settled ? site_.cell_of(site_.box().lo + (one.position - site_.box().lo) / block_) : DebrisSite::kNowhere;
+  };
   for (std::size_t n = 0; n < particles_.size();) {
-    const std::size_t cell = particles_[n].settled ? site_.cell_of(particles_[n].position) : DebrisSite::kNowhere;
-    if (cell != DebrisSite::kNowhere && first_[cell] != kNone) {
-      particles_[first_[cell]].volume += particles_[n].volume;
-      first_[cell] = kNone;
-      remove(n);
-      ++freed;
-      continue;  // the last particle is at n now
+    const std::size_t block = block_of(particles_[n]);
+    if (block == DebrisSite::kNowhere || first_[block] == kNone) {
+      if (block != DebrisSite::kNowhere) first_[block] = static_cast<std::uint32_t>(n);
+      ++n;
+      continue;
     }
-    if (cell != DebrisSite::kNowhere) first_[cell] = static_cast<std::uint32_t>(n);
-    ++n;
+    DebrisParticle& other = particles_[first_[block]];
+    site_.take_off(other.position, config_.bulk * other.volume);
+    other.volume += particles_[n].volume;
+    site_.pile(other.position, config_.bulk * other.volume);
+    first_[block] = kNone;
+    remove(n);  // the last particle is at n now
   }
-  for (const DebrisParticle& one : particles_) {
-    const std::size_t cell = one.settled ? site_.cell_of(one.position) : DebrisSite::kNowhere;
-    if (cell != DebrisSite::kNowhere) first_[cell] = kNone;
-  }
+  for (const DebrisParticle& one : particles_)
+    if (const std::size_t block = block_of(one); block != DebrisSite::kNowhere) first_[block] = kNone;
   quantum_ *= 2.0;
-  return freed;
+  return before - particles_.size();
 }
 
 void DebrisField::take_up(const DebrisBit& bit) noexcept {
@@ -233,8 +240,7 @@ void DebrisField::land(DebrisParticle& one) noexcept {
     return;
   }
   one.settled = true;
-  if (const std::size_t cell = site_.cell_of(one.position); cell != DebrisSite::kNowhere)
-    site_.add_fill(cell, static_cast<float>(config_.bulk * one.volume));
+  site_.pile(one.position, config_.bulk * one.volume);
 }
 
 void DebrisField::rinse(const DebrisRinse& saline, double dt) noexcept {
@@ -290,17 +296,14 @@ void DebrisField::remove(std::size_t n) noexcept {
 /// Takes a settled particle off its heap cell.
 void DebrisField::lift(DebrisParticle& one) noexcept {
   one.settled = false;
-  if (const std::size_t cell = site_.cell_of(one.position); cell != DebrisSite::kNowhere)
-    site_.add_fill(cell, -static_cast<float>(config_.bulk * one.volume));
+  site_.take_off(one.position, config_.bulk * one.volume);
 }
 
 /// Counts again what lies in the cells, without the rounding of what came and went.
 void DebrisField::refill() noexcept {
+  for (const DebrisParticle& one : particles_) site_.clear_pile(one.position, config_.bulk * one.volume);
   for (const DebrisParticle& one : particles_)
-    if (const std::size_t cell = site_.cell_of(one.position); cell != DebrisSite::kNowhere) site_.set_fill(cell, 0.0f);
-  for (const DebrisParticle& one : particles_)
-    if (const std::size_t cell = one.settled ? site_.cell_of(one.position) : DebrisSite::kNowhere; cell != DebrisSite::kNowhere)
-      site_.add_fill(cell, static_cast<float>(config_.bulk * one.volume));
+    if (one.settled) site_.pile(one.position, config_.bulk * one.volume);
 }
 
 void DebrisField::bone_came_back() noexcept {

@@ -1,7 +1,7 @@
 /// core/debris/debris_field.h: chips and mist that a bit makes of bone: where they are, and where their volume went.
 ///   Particle  stands for many chips of one diameter: the diameter sets its drag, the volume what it fills. When the budget is full, particles
-///           that lie in one heap cell are merged in pairs, and new ones are twice as large; if that frees none, new volume joins a particle
-///           that exists. Merging keeps the volume.
+///           that lie in one block of 2^3 heap cells are merged in pairs, and new ones are twice as large; the next time in blocks of 4^3. If that frees
+///           little, new volume joins a particle that exists. Merging keeps the volume.
 ///   Way     removed bone is held by the bit (flutes, gap to the wall), which releases a share per revolution; it leaves at the mouth of the hole
 ///           by the rim of the bit, thrown along the rim. A particle flies (chip_flight.h), and where bone or a full heap cell blocks its way it
 ///           slides to a lower open cell or settles. What carries it goes: it falls again. A turning bit takes up what lies in its reach; one that
@@ -26,21 +26,21 @@ namespace burrhole {
 
 struct DebrisConfig {
   ChipAir air{};
-  std::size_t most_particles = 8000;  ///< [-] >= 1: the budget
-  double particle = 0.05e-9;          ///< [m^3] > 0: volume of a particle of chips; one of mist has a tenth (an assumption)
-  double chip_ratio = 20.0;           ///< [-] > 0: diameter of a chip over the mean uncut chip thickness (an assumption)
-  double smallest = 50e-6;            ///< [m] > 0: least mean diameter of chips (an assumption)
-  double largest = 500e-6;            ///< [m] >= smallest: largest mean diameter (an assumption)
-  double size_spread = 2.0;           ///< [-] >= 1: diameters lie between the mean over it and times it (an assumption)
-  double clearing = 0.05;             ///< [-] > 0: share of what the bit holds that a revolution clears out (an assumption)
-  double throw_share = 0.5;           ///< [-] >= 0: mean speed of leaving chips over that of the rim (an assumption)
-  double spread = 0.5;                ///< [-] >= 0: of their directions, outwards and up over along the rim (an assumption)
-  double mist_share = 0.01;           ///< [-] in [0, 1]: of the volume, that becomes mist (an assumption)
-  double mist_diameter = 15e-6;       ///< [m] > 0 (an assumption)
-  double mist_cloud = 8e-3;           ///< [m] >= 0: radius in which the bit stirs it (an assumption)
-  double bulk = 2.5;                  ///< [-] >= 1: volume of loose chips over that of their bone (an assumption)
-  double rinse_time = 1.0;            ///< [s] > 0: in which saline takes wet chips (an assumption)
-  double rinse_load = 0.05;           ///< [-] >= 0: most volume of chips that a volume of saline carries (an assumption)
+  std::size_t most_particles = 10000;  ///< [-] >= 1: the budget
+  double particle = 0.1e-9;            ///< [m^3] > 0: volume of a particle of chips; one of mist has a tenth (an assumption)
+  double chip_ratio = 20.0;            ///< [-] > 0: diameter of a chip over the mean uncut chip thickness (an assumption)
+  double smallest = 50e-6;             ///< [m] > 0: least mean diameter of chips (an assumption)
+  double largest = 500e-6;             ///< [m] >= smallest: largest mean diameter (an assumption)
+  double size_spread = 2.0;            ///< [-] >= 1: diameters lie between the mean over it and times it (an assumption)
+  double clearing = 0.05;              ///< [-] > 0: share of what the bit holds that a revolution clears out (an assumption)
+  double throw_share = 0.5;            ///< [-] >= 0: mean speed of leaving chips over that of the rim (an assumption)
+  double spread = 0.5;                 ///< [-] >= 0: of their directions, outwards and up over along the rim (an assumption)
+  double mist_share = 0.01;            ///< [-] in [0, 1]: of the volume, that becomes mist (an assumption)
+  double mist_diameter = 15e-6;        ///< [m] > 0 (an assumption)
+  double mist_cloud = 8e-3;            ///< [m] >= 0: radius in which the bit stirs it (an assumption)
+  double bulk = 2.5;                   ///< [-] >= 1: volume of loose chips over that of their bone (an assumption)
+  double rinse_time = 1.0;             ///< [s] > 0: in which saline takes wet chips (an assumption)
+  double rinse_load = 0.05;            ///< [-] >= 0: most volume of chips that a volume of saline carries (an assumption)
   std::uint64_t seed = 1;
 };
 
@@ -132,7 +132,7 @@ class DebrisField {
   [[nodiscard]] DebrisParticle born(const DebrisStep& now, bool is_mist) noexcept;
   [[nodiscard]] Vec3 mouth(const DebrisBit& bit, const Vec3& outwards) const noexcept;
   void add(const DebrisParticle& one) noexcept;
-  /// Merges settled particles of one cell in pairs. @returns how many that freed.
+  /// Merges settled particles of one block of cells in pairs. @returns how many that freed.
   std::size_t merge_settled() noexcept;
   void take_up(const DebrisBit& bit) noexcept;
   void loosen() noexcept;
@@ -151,6 +151,7 @@ class DebrisField {
   std::vector<DebrisParticle> particles_;
   std::vector<std::uint32_t> first_;  // by heap cell, in merge_settled(): kNone between calls
   double quantum_;                    // [m^3] of a new particle
+  double block_ = 1.0;                // [cells] edge of the blocks that merge_settled() merges in
   double held_ = 0.0, waiting_chips_ = 0.0, waiting_mist_ = 0.0;
   double thickness_ = 0.0;  // [m] the last that was cut
   bool holds_ = false, merged_now_ = false;

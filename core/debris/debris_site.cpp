@@ -31,6 +31,7 @@ Result<DebrisSite> DebrisSite::create(const Bounds& box, const Affine& bone_from
   out.index_from_bone_ = bone_from_index.inverse();
   out.voxels_ = voxels_in(box, bone_from_index, grid);
   out.cell_ = cell;
+  out.per_cell_ = 1.0 / cell;
   out.capacity_ = static_cast<float>(out.cell_volume());
   const Mat3& edges = bone_from_index.linear;
   out.shortest_ = std::min({glm::length(edges[0]), glm::length(edges[1]), glm::length(edges[2])});
@@ -121,6 +122,16 @@ std::optional<Vec3> DebrisSite::slide_from(const Vec3& p) const noexcept {
     best = centre;
   });
   return best;
+}
+
+void DebrisSite::change_pile(const Vec3& p, double volume, float sign) noexcept {
+  const double whole = static_cast<double>(capacity_);
+  double left = volume;
+  for (int n = 0; n < kMostPiled && left > 0.0; ++n, left -= whole) {
+    const std::size_t cell = cell_of(p - static_cast<double>(n) * cell_ * down_);
+    if (cell == kNowhere) return;
+    fill_[cell] = sign == 0.0f ? 0.0f : fill_[cell] + sign * static_cast<float>(std::min(left, whole));
+  }
 }
 
 std::size_t DebrisSite::cell_of(const Vec3& p) const noexcept {

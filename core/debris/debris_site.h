@@ -88,8 +88,12 @@ class DebrisSite {
   [[nodiscard]] std::size_t cells() const noexcept { return fill_.size(); }
   [[nodiscard]] std::size_t cell_of(const Vec3& p) const noexcept;  ///< kNowhere outside
   [[nodiscard]] bool is_full(std::size_t cell) const noexcept { return cell != kNowhere && fill_[cell] >= capacity_; }
-  void set_fill(std::size_t cell, float volume) noexcept { fill_[cell] = volume; }  ///< [m^3] with gaps
-  void add_fill(std::size_t cell, float volume) noexcept { fill_[cell] += volume; }
+  /// Adds chips with their gaps to the cell of p; what is more than a cell holds goes to the cells above it, up to kMostPiled. @param volume [m^3].
+  void pile(const Vec3& p, double volume) noexcept { change_pile(p, volume, 1.0f); }
+  void take_off(const Vec3& p, double volume) noexcept { change_pile(p, volume, -1.0f); }  ///< the reverse
+  /// Empties the cells that pile() of the same changes.
+  void clear_pile(const Vec3& p, double volume) noexcept { change_pile(p, volume, 0.0f); }
+  static constexpr int kMostPiled = 64;
 
  private:
   static constexpr std::uint8_t kSoft = 255;
@@ -98,12 +102,13 @@ class DebrisSite {
   [[nodiscard]] double value(const Vec3i& voxel) const noexcept {
     return voxels_.contains(voxel) ? static_cast<double>(solid_[voxels_.offset_of(voxel)]) : 0.0;
   }
-  [[nodiscard]] Vec3i cell_place(const Vec3& p) const noexcept { return floor_int((p - box_.lo) / cell_); }
+  [[nodiscard]] Vec3i cell_place(const Vec3& p) const noexcept { return floor_int((p - box_.lo) * per_cell_); }
+  void change_pile(const Vec3& p, double volume, float sign) noexcept;
 
   Bounds box_;
   Affine bone_from_index_, index_from_bone_;
   VoxelBox voxels_, cell_box_;
-  double cell_ = 0.0, shortest_ = 0.0;
+  double cell_ = 0.0, per_cell_ = 0.0, shortest_ = 0.0;
   float capacity_ = 0.0f;  // [m^3] of a cell
   Vec3 down_{0.0, 0.0, -1.0};
   std::vector<std::uint8_t> solid_;  // bone in 1/254; kSoft

@@ -34,7 +34,8 @@ DebrisStep cutting(double dt, double removed, double spin = 17.0) {
 }
 
 /// Drills for a second and drops what the bit holds; the bit is then far away.
-DebrisField drilled(const DebrisConfig& config = {}, double volume = 10.0 * kMm3) {
+DebrisField drilled(DebrisConfig config = {}, double volume = 10.0 * kMm3) {
+  config.particle = 0.05 * kMm3;  // loose, one fills a heap cell
   DebrisField field = flat_field(config);
   for (int n = 0; n < 50; ++n) field.step(cutting(0.02, volume / 50.0));
   for (int n = 0; n < 100; ++n) field.step({.dt = 0.02, .bit = bit(0.0, 3e-3)});

@@ -47,12 +47,11 @@ TEST_CASE("debris site: full cells block, soft tissue stays, and a chip slides t
   DebrisSite site = make_site(Affine::scaling(0.25e-3, Vec3(-5e-3)));
   fill(site, [](const Vec3& p) { return p.z < -0.9e-3 ? 1.0 : 0.0; });
   const Vec3 place(0.1e-3, 0.1e-3, 0.2e-3);
-  const std::size_t cell = site.cell_of(place);
   CHECK_FALSE(site.is_blocked(place));
   const auto lower = site.slide_from(place);
   REQUIRE(lower);
   CHECK(lower->z == doctest::Approx(-0.25e-3));
-  site.set_fill(cell, static_cast<float>(site.cell_volume()));
+  site.pile(place, site.cell_volume());
   CHECK(site.is_blocked(place));
   CHECK_FALSE(site.is_solid(place));
   CHECK(site.is_carried(place + Vec3(0.0, 0.0, 0.4e-3)));  // by the full cell below it
