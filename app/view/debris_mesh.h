@@ -35,7 +35,7 @@ class DebrisPicture final : public PictureSource {
   bool copied_ = false;
 };
 
-inline constexpr std::size_t kMostFlakes = 24'000;  ///< of a picture, where there are fewer particles
+inline constexpr std::size_t kMostFlakes = 40'000;  ///< of a picture, where there are fewer particles
 inline constexpr std::size_t kMostFlakesOfOne = 6;
 inline constexpr float kFlyingSpread = 3.0f;
 

@@ -235,7 +235,7 @@ bool DebrisField::fly_one(DebrisParticle& one, double dt) noexcept {
 void DebrisField::land(DebrisParticle& one) noexcept {
   one.velocity = Vec3(0.0);
   for (int n = 0; n < kMostClimbs && site_.is_full(site_.cell_of(one.position)); ++n) one.position -= site_.cell() * site_.down();
-  if (const auto lower = site_.slide_from(one.position)) {
+  if (const auto lower = site_.slide_from(one.position, config_.seed + drawn_++)) {
     one.position = *lower;
     return;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/random.h"
 #include "core/base/trilinear.h"
 
 namespace burrhole {
@@ -109,17 +110,20 @@ bool DebrisSite::is_carried(const Vec3& p) const noexcept {
   return is_solid(below) || (cell != cell_of(p) && is_full(cell));
 }
 
-std::optional<Vec3> DebrisSite::slide_from(const Vec3& p) const noexcept {
+std::optional<Vec3> DebrisSite::slide_from(const Vec3& p, std::uint64_t salt) const noexcept {
   const Vec3i here = cell_place(p);
   std::optional<Vec3> best;
   double lowest = kLower;
+  std::uint64_t alike = 0;
   for_each_voxel({here - 1, here + 2}, [&](const Vec3i& there) {
     const double lower = glm::dot(Vec3(there - here), down_);
-    if (lower <= lowest || !cell_box_.contains(there) || is_full(cell_box_.offset_of(there))) return;
+    if (lower < lowest || !cell_box_.contains(there) || is_full(cell_box_.offset_of(there))) return;
     const Vec3 centre = box_.lo + (Vec3(there) + 0.5) * cell_;
     if (free_share(p, centre) < 1.0) return;
+    // Of n alike, the last is chosen with the chance 1/n: each has the same chance in the end.
+    alike = lower > lowest ? 1 : alike + 1;
     lowest = lower;
-    best = centre;
+    if (!best || mix64(salt + alike) % alike == 0) best = centre;
   });
   return best;
 }

@@ -81,8 +81,9 @@ class DebrisSite {
   [[nodiscard]] double free_share(const Vec3& from, const Vec3& to) const noexcept;
   /// @returns whether something other than chips of its own cell carries a chip, within a voxel below it.
   [[nodiscard]] bool is_carried(const Vec3& p) const noexcept;
-  /// @returns the centre of an open neighbour of the cell of p that is lower by at least half a cell, the lowest; a chip slides there.
-  [[nodiscard]] std::optional<Vec3> slide_from(const Vec3& p) const noexcept;
+  /// @returns the centre of an open neighbour of the cell of p that is lower by at least half a cell, the lowest; a chip slides there. @param salt
+  /// chooses among neighbours of one height.
+  [[nodiscard]] std::optional<Vec3> slide_from(const Vec3& p, std::uint64_t salt) const noexcept;
 
   static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
   [[nodiscard]] std::size_t cells() const noexcept { return fill_.size(); }

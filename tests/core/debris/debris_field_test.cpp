@@ -191,7 +191,7 @@ TEST_CASE("debris: the hidden share is that of a disc's area under the chips, fa
   for (int n = 0; n < 50; ++n) one.step({.dt = 0.02, .bit = bit(0.0)});
   REQUIRE(one.particles().size() == 1);
   const double r = one.radius_of(one.particles()[0]), pitch = 2.0 * 2e-3 / DebrisField::kRaster;
-  CHECK(r == doctest::Approx(std::cbrt(0.75 * 2.5e-9 / std::numbers::pi)));
+  CHECK(r == doctest::Approx(std::cbrt(0.75 * 2.0e-9 / std::numbers::pi)));
   CHECK(std::abs(one.hidden_share(Vec3(one.particles()[0].position), up, 2e-3) - r * r / 4e-6) < 2.0 * pitch * r * 2.0 / 4e-6);
 }
 

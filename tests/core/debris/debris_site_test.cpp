@@ -48,7 +48,7 @@ TEST_CASE("debris site: full cells block, soft tissue stays, and a chip slides t
   fill(site, [](const Vec3& p) { return p.z < -0.9e-3 ? 1.0 : 0.0; });
   const Vec3 place(0.1e-3, 0.1e-3, 0.2e-3);
   CHECK_FALSE(site.is_blocked(place));
-  const auto lower = site.slide_from(place);
+  const auto lower = site.slide_from(place, 1);
   REQUIRE(lower);
   CHECK(lower->z == doctest::Approx(-0.25e-3));
   site.pile(place, site.cell_volume());
