@@ -19,8 +19,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kMicrometre = 1e-6, kCubicMillimetre = 1e-9;  // [m], [m^3]
-constexpr double kLitrePerMinute = 1e-3 / 60.0;                // [m^3/s]
+constexpr double kMicrometre = 1e-6, kPerMicrometre = 1e6;            // [m], [1/m]
+constexpr double kCubicMillimetre = 1e-9, kPerCubicMillimetre = 1e9;  // [m^3], [1/m^3]
+constexpr double kLitrePerMinute = 1e-3 / 60.0;                       // [m^3/s]
 
 struct SuctionConfig {
   double flow = 20.0 * kLitrePerMinute;  ///< [m^3/s] of air (an assumption)
@@ -90,7 +91,7 @@ class DustEffect final : public Effect {
   }
   void report(Figures& out) const override {
     const DebrisTotals& t = field_.totals();
-    const auto add = [&out](const char* name, double volume) { out.add(name, volume / kCubicMillimetre); };
+    const auto add = [&out](const char* name, double volume) { out.add(name, volume * kPerCubicMillimetre); };
     add("removed_mm3", t.removed);
     add("held_mm3", field_.held());
     add("flying_mm3", field_.flying());
@@ -236,7 +237,7 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
     c.place = table.place();
     f.most_particles = static_cast<std::size_t>(table.integer("most_particles", static_cast<std::int64_t>(f.most_particles), 1, 1'000'000,
                                                               "budget: more particles than this are merged, which keeps the volume"));
-    f.particle = table.number("particle_mm3", above_zero(f.particle / kCubicMillimetre, kCubicMillimetre, 100.0),
+    f.particle = table.number("particle_mm3", above_zero(f.particle * kPerCubicMillimetre, kCubicMillimetre, 100.0),
                               "volume of bone of a particle, which stands for many chips");
     read_chips(table);
     read_mist(table);
@@ -273,7 +274,7 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
             .needs = "removal, chip load, changed boxes, coolant",
             .gives = "particles",
             .detail = fmt::format("at most {} particles of {:g} mm3, {} voxels, {} cells of {:g} mm{}", config_.field.most_particles,
-                                  config_.field.particle / kCubicMillimetre, voxels, count, config_.heap_cell / kMillimetre,
+                                  config_.field.particle * kPerCubicMillimetre, voxels, count, config_.heap_cell / kMillimetre,
                                   config_.suction ? ", suction" : ""),
             .rate_hz = static_cast<double>(context.needs.simulation_hz),
             .bytes = sizeof(DustEffect) + voxels + count * sizeof(float) + DebrisField::bytes_of(config_.field, count)};
@@ -304,9 +305,9 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
     DebrisConfig& f = config_.field;
     f.chip_ratio = table.number("chip_ratio", above_zero(f.chip_ratio, 1.0, 1e4),
                                 "diameter of a chip over the mean uncut chip thickness (an assumption)");
-    f.smallest = table.number("smallest_um", {.fallback = f.smallest / kMicrometre, .min = 1.0, .max = 5000.0, .to_si = kMicrometre},
+    f.smallest = table.number("smallest_um", {.fallback = f.smallest * kPerMicrometre, .min = 1.0, .max = 5000.0, .to_si = kMicrometre},
                               "least mean diameter of chips (an assumption)");
-    f.largest = table.number("largest_um", {.fallback = f.largest / kMicrometre, .min = 1.0, .max = 5000.0, .to_si = kMicrometre},
+    f.largest = table.number("largest_um", {.fallback = f.largest * kPerMicrometre, .min = 1.0, .max = 5000.0, .to_si = kMicrometre},
                              "largest mean diameter of chips (an assumption)");
     if (f.largest < f.smallest) table.fault("largest_um", "must be at least smallest_um");
     f.size_spread = table.number("size_spread", {.fallback = f.size_spread, .min = 1.0, .max = 10.0},
@@ -322,8 +323,9 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
   void read_mist(TableReader& table) {
     DebrisConfig& f = config_.field;
     f.mist_share = table.number("mist_share", within(f.mist_share, 0.0, 1.0), "share of the volume that becomes mist (an assumption)");
-    f.mist_diameter = table.number("mist_um", {.fallback = f.mist_diameter / kMicrometre, .min = 0.5, .max = 500.0, .to_si = kMicrometre},
-                                   "diameter of mist (an assumption)");
+    f.mist_diameter =
+        table.number("mist_um", {.fallback = f.mist_diameter * kPerMicrometre, .min = 0.5, .max = 500.0, .to_si = kMicrometre},
+                     "diameter of mist (an assumption)");
     f.mist_cloud = table.number("mist_cloud_mm", at_least_zero(f.mist_cloud / kMillimetre, kMillimetre, 100.0),
                                 "distance to which the bit stirs mist (an assumption)");
   }

@@ -9,8 +9,8 @@
 namespace burrhole {
 namespace {
 
-constexpr glm::vec3 kChipColor(0.90f, 0.82f, 0.68f), kMistColor(0.96f, 0.93f, 0.88f);  // fresh bone meal, drier and whiter when fine
-constexpr float kDarkest = 0.80f;                                                      // [-] of the colour, of the darkest flake
+constexpr glm::vec3 kChipColor(0.97f, 0.91f, 0.78f), kMistColor(0.96f, 0.93f, 0.88f);  // fresh bone meal, drier and whiter when fine
+constexpr float kDarkest = 0.85f;                                                      // [-] of the colour, of the darkest flake
 constexpr std::uint8_t kMoist = 40;                                                    // shine of chips
 constexpr float kFlat = 0.35f;          // [-] thickness of a flake over its width, before its volume is set
 constexpr float kUneven = 0.45f;        // [-] of a corner's distance, by which corners are moved

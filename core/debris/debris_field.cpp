@@ -18,6 +18,7 @@ constexpr double kMostPerStep = 64.0;    // new particles of a kind in a step; b
 constexpr double kRinsedWhole = 1e-3;    // [-] of a new particle, below which the rest is rinsed as well
 constexpr std::size_t kLeastFreed = 8;   // a merge that frees less than this part of the budget is not tried again until the bit stands
 constexpr int kMostClimbs = 16;          // cells that a chip climbs over a full heap
+constexpr double kSlideTime = 1.0;       // [s] in which a settled heap finds its slope (an assumption)
 constexpr double kSpeedSpread = 0.5;     // [-] of the thrown speed, either way (an assumption)
 constexpr double kMostMouthSteps = 512;  // half voxels up the shaft: beyond any hole
 
@@ -65,7 +66,9 @@ void DebrisField::step(const DebrisStep& now) noexcept {
   }
   holds_ = now.bit.spin > 0.0;
   merged_now_ = merged_now_ && holds_;
+  site_.set_bit(now.bit.tip, now.bit.axis, now.bit.radius);
   loosen();
+  slide(now.dt);
   fly(now.dt);
   if (now.rinse.flow > 0.0) rinse(now.rinse, now.dt);
   if (now.suction.flow > 0.0) suck(now.suction);
@@ -205,6 +208,21 @@ void DebrisField::take_up(const DebrisBit& bit) noexcept {
 void DebrisField::loosen() noexcept {
   for (DebrisParticle& one : particles_)
     if (one.settled && !site_.is_carried(one.position)) lift(one);
+}
+
+/// A heap that was held by the bit, or that lost its foot, slides: each particle is tested once in kSlideTime.
+void DebrisField::slide(double dt) noexcept {
+  if (particles_.empty()) return;
+  const auto count = static_cast<double>(particles_.size());
+  to_test_ = std::min(count, to_test_ + count * dt / kSlideTime);
+  for (; to_test_ >= 1.0; to_test_ -= 1.0) {
+    DebrisParticle& one = particles_[++tested_ % particles_.size()];
+    if (!one.settled) continue;
+    if (const auto lower = site_.slide_from(one.position, config_.seed + drawn_++)) {
+      lift(one);
+      one.position = *lower;
+    }
+  }
 }
 
 void DebrisField::fly(double dt) noexcept {

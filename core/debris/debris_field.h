@@ -33,7 +33,7 @@ struct DebrisConfig {
   double largest = 500e-6;             ///< [m] >= smallest: largest mean diameter (an assumption)
   double size_spread = 2.0;            ///< [-] >= 1: diameters lie between the mean over it and times it (an assumption)
   double clearing = 0.05;              ///< [-] > 0: share of what the bit holds that a revolution clears out (an assumption)
-  double throw_share = 0.35;           ///< [-] >= 0: mean speed of leaving chips over that of the rim (an assumption)
+  double throw_share = 0.5;            ///< [-] >= 0: mean speed of leaving chips over that of the rim (an assumption)
   double spread = 0.5;                 ///< [-] >= 0: of their directions, outwards and up over along the rim (an assumption)
   double mist_share = 0.01;            ///< [-] in [0, 1]: of the volume, that becomes mist (an assumption)
   double mist_diameter = 15e-6;        ///< [m] > 0 (an assumption)
@@ -136,6 +136,7 @@ class DebrisField {
   std::size_t merge_settled() noexcept;
   void take_up(const DebrisBit& bit) noexcept;
   void loosen() noexcept;
+  void slide(double dt) noexcept;
   void fly(double dt) noexcept;
   /// @returns whether the particle is still in the site.
   [[nodiscard]] bool fly_one(DebrisParticle& one, double dt) noexcept;
@@ -158,7 +159,8 @@ class DebrisField {
   std::array<DebrisBirth, LossSampler::kMost> births_{};
   std::size_t birth_count_ = 0;
   DebrisTotals totals_;
-  std::uint64_t drawn_ = 0, merged_ = 0;
+  double to_test_ = 0.0;  // [-] particles due in slide()
+  std::uint64_t tested_ = 0, drawn_ = 0, merged_ = 0;
   std::uint32_t numbers_ = 0;
   std::size_t most_ = 0;
 };

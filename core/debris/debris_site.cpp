@@ -119,7 +119,7 @@ std::optional<Vec3> DebrisSite::slide_from(const Vec3& p, std::uint64_t salt) co
     const double lower = glm::dot(Vec3(there - here), down_);
     if (lower < lowest || !cell_box_.contains(there) || is_full(cell_box_.offset_of(there))) return;
     const Vec3 centre = box_.lo + (Vec3(there) + 0.5) * cell_;
-    if (free_share(p, centre) < 1.0) return;
+    if (is_in_bit(centre) || free_share(p, centre) < 1.0) return;
     // Of n alike, the last is chosen with the chance 1/n: each has the same chance in the end.
     alike = lower > lowest ? 1 : alike + 1;
     lowest = lower;

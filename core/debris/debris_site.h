@@ -85,6 +85,13 @@ class DebrisSite {
   /// chooses among neighbours of one height.
   [[nodiscard]] std::optional<Vec3> slide_from(const Vec3& p, std::uint64_t salt) const noexcept;
 
+  /// Nothing slides into the bit: a cylinder without end from its tip up. @param radius [m] 0: no bit.
+  void set_bit(const Vec3& tip, const Vec3& axis, double radius) noexcept {
+    bit_tip_ = tip;
+    bit_axis_ = axis;
+    bit_radius2_ = radius * radius;
+  }
+
   static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
   [[nodiscard]] std::size_t cells() const noexcept { return fill_.size(); }
   [[nodiscard]] std::size_t cell_of(const Vec3& p) const noexcept;  ///< kNowhere outside
@@ -104,6 +111,11 @@ class DebrisSite {
     return voxels_.contains(voxel) ? static_cast<double>(solid_[voxels_.offset_of(voxel)]) : 0.0;
   }
   [[nodiscard]] Vec3i cell_place(const Vec3& p) const noexcept { return floor_int((p - box_.lo) * per_cell_); }
+  [[nodiscard]] bool is_in_bit(const Vec3& p) const noexcept {
+    const Vec3 from_tip = p - bit_tip_;
+    const double along = glm::dot(from_tip, bit_axis_);
+    return along > 0.0 && glm::dot(from_tip, from_tip) - along * along < bit_radius2_;
+  }
   void change_pile(const Vec3& p, double volume, float sign) noexcept;
 
   Bounds box_;
@@ -112,6 +124,8 @@ class DebrisSite {
   double cell_ = 0.0, per_cell_ = 0.0, shortest_ = 0.0;
   float capacity_ = 0.0f;  // [m^3] of a cell
   Vec3 down_{0.0, 0.0, -1.0};
+  Vec3 bit_tip_{0.0}, bit_axis_{0.0, 0.0, 1.0};
+  double bit_radius2_ = 0.0;         // [m^2]
   std::vector<std::uint8_t> solid_;  // bone in 1/254; kSoft
   std::vector<float> fill_;          // [m^3]
 };

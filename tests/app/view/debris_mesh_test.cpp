@@ -47,7 +47,7 @@ TEST_CASE("debris mesh: flakes are closed and outward and have the volume of the
 TEST_CASE(
     "debris mesh: many particles have fewer flakes each, with the same volume; a particle has the same flakes wherever it is in the list") {
   std::vector<ShownDebris> particles;
-  for (std::uint32_t n = 0; n < 20'000; ++n)
+  for (std::uint32_t n = 0; n < kMostFlakes; ++n)
     particles.push_back(
         {.position = glm::vec3(1e-3f * static_cast<float>(n % 5)), .volume = 1e-11f, .radius = 1e-4f, .number = n, .settled = true});
   const AddedMesh mesh = mesh_of(particles);

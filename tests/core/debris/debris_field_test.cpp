@@ -138,6 +138,23 @@ TEST_CASE("debris: when the bone under it goes a chip falls again, to the new fl
   CHECK(fallen > 5);
 }
 
+TEST_CASE("debris: a heap that the bit held slides into the hole when the bit is gone, to a slope of a cell a cell") {
+  DebrisField field = flat_field({.particle = 0.05 * kMm3, .throw_share = 0.1, .mist_share = 0.0});
+  for (int n = 0; n < 100; ++n) field.step(cutting(0.02, 0.15 * kMm3));
+  const auto inside = [&] {
+    double sum = 0.0;
+    for (const DebrisParticle& one : field.particles()) sum += std::hypot(one.position.x, one.position.y) < 0.7e-3 ? one.volume : 0.0;
+    return sum;
+  };
+  CHECK(inside() < 0.1 * kMm3);
+  for (int n = 0; n < 500; ++n) field.step({.dt = 0.02, .bit = bit(0.0, 3e-3)});
+  CHECK(inside() > 0.5 * kMm3);
+  // The plain twin: no settled chip has an open cell a cell below and beside it that a straight way reaches.
+  int steep = 0;
+  for (const DebrisParticle& one : field.particles()) steep += one.settled && field.site().slide_from(one.position, 0) ? 1 : 0;
+  CHECK(steep < static_cast<int>(field.particles().size()) / 50 + 1);
+}
+
 TEST_CASE("debris: rinsing has the closed form: all wet chips in e^(-t / tau), or the load of the saline; each key changes it") {
   DebrisField field = drilled({.mist_share = 0.0});
   const double before = field.settled();
