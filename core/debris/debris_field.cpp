@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr double kFlightStep = 1e-3;  // [s] of the flight, in steps of which a long step is divided
-constexpr double kMostFlightSteps = 128;
-constexpr double kMistQuantum = 0.1;     // [-] volume of a particle of mist over one of chips
-constexpr double kMostPerStep = 64.0;    // new particles of a kind in a step; beyond it they are larger
-constexpr double kRinsedWhole = 1e-3;    // [-] of a new particle, below which the rest is rinsed as well
-constexpr std::size_t kLeastFreed = 8;   // a merge that frees less than this part of the budget is not tried again until the bit stands
-constexpr int kMostClimbs = 16;          // cells that a chip climbs over a full heap
-constexpr double kSlideTime = 1.0;       // [s] in which a settled heap finds its slope (an assumption)
-constexpr double kSpeedSpread = 0.5;     // [-] of the thrown speed, either way (an assumption)
-constexpr double kMostMouthSteps = 512;  // half voxels up the shaft: beyond any hole
+constexpr double kMostFlightSteps = 128.0;
+constexpr double kMistQuantum = 0.1;    // [-] volume of a particle of mist over one of chips
+constexpr double kMostPerStep = 64.0;   // new particles of a kind in a step; beyond it they are larger
+constexpr double kRinsedWhole = 1e-3;   // [-] of a new particle, below which the rest is rinsed as well
+constexpr std::size_t kLeastFreed = 8;  // a merge that frees less than this part of the budget is not tried again until the bit stands
+constexpr int kMostClimbs = 16;         // cells that a chip climbs over a full heap
+constexpr double kSlideTime = 1.0;      // [s] in which a settled heap finds its slope (an assumption)
+constexpr double kSpeedSpread = 0.5;    // [-] of the thrown speed, either way (an assumption)
+constexpr int kMostMouthSteps = 512;    // half voxels up the shaft: beyond any hole
 
 }  // namespace
 
@@ -124,7 +124,7 @@ DebrisParticle DebrisField::born(const DebrisStep& now, bool is_mist) noexcept {
 Vec3 DebrisField::mouth(const DebrisBit& bit, const Vec3& outwards) const noexcept {
   const Vec3 rim = bit.tip + outwards * (bit.radius + site_.voxel());
   const double step = 0.5 * site_.voxel();
-  for (double n = 0.0; n < kMostMouthSteps; n += 1.0) {
+  for (int n = 0; n < kMostMouthSteps; ++n) {
     const Vec3 place = rim + bit.axis * (n * step);
     if (!site_.is_blocked(place)) return place;
   }
@@ -143,7 +143,7 @@ void DebrisField::drop(const DebrisStep& now) noexcept {
     one.velocity = Vec3(0.0);
     one.volume = std::min(volume, left);
     one.position = now.bit.tip + radius * (from_bit * Vec3(portable_cos(angle), portable_sin(angle), 0.0));
-    for (double n = 0.0; n < kMostMouthSteps && site_.is_blocked(one.position); n += 1.0) one.position += step * now.bit.axis;
+    for (int n = 0; n < kMostMouthSteps && site_.is_blocked(one.position); ++n) one.position += step * now.bit.axis;
     left = one.volume < left ? left - one.volume : 0.0;
     add(one);
   }
@@ -237,10 +237,10 @@ void DebrisField::fly(double dt) noexcept {
 }
 
 bool DebrisField::fly_one(DebrisParticle& one, double dt) noexcept {
-  const double steps = std::clamp(std::ceil(dt / kFlightStep), 1.0, kMostFlightSteps);
+  const int steps = static_cast<int>(std::clamp(std::ceil(dt / kFlightStep), 1.0, kMostFlightSteps));
   const ChipDrag drag = chip_drag(config_.air, one.diameter);
   const Vec3 gravity = config_.air.gravity * site_.down();
-  for (double n = 0.0; n < steps && !one.settled; n += 1.0) {
+  for (int n = 0; n < steps && !one.settled; ++n) {
     const Vec3 way = advance_chip(drag, gravity, dt / steps, one.velocity);
     const double free = site_.free_share(one.position, one.position + way);
     one.position += free * way;
@@ -376,6 +376,7 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
   std::array<std::uint8_t, static_cast<std::size_t>(kRaster) * kRaster> covered{};
   const Quat to_disc = glm::conjugate(rotation_from_z(axis));
   const double pitch = 2.0 * radius / kRaster;
+  const auto node_of = [](int i, int j) { return static_cast<std::size_t>(j) * kRaster + static_cast<std::size_t>(i); };
   const auto node = [&](int n) { return (n + 0.5) * pitch - radius; };
   for (const DebrisParticle& one : particles_) {
     if (!one.settled) continue;
@@ -387,7 +388,7 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
     for (int j = first(at.y); j <= last(at.y); ++j)
       for (int i = first(at.x); i <= last(at.x); ++i) {
         const double x = node(i) - at.x, y = node(j) - at.y;
-        if (x * x + y * y <= reach * reach) covered[static_cast<std::size_t>(j * kRaster + i)] = 1;
+        if (x * x + y * y <= reach * reach) covered[node_of(i, j)] = 1;
       }
   }
   int inside = 0, hidden = 0;
@@ -395,7 +396,7 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
     for (int i = 0; i < kRaster; ++i) {
       if (node(i) * node(i) + node(j) * node(j) > radius * radius) continue;
       ++inside;
-      hidden += covered[static_cast<std::size_t>(j * kRaster + i)];
+      hidden += covered[node_of(i, j)];
     }
   return static_cast<double>(hidden) / inside;
 }

@@ -90,8 +90,8 @@ double DebrisSite::free_share(const Vec3& from, const Vec3& to) const noexcept {
   const Vec3 way = to - from;
   const double steps = std::ceil(glm::length(way) / (kStep * shortest_));
   if (!(steps > 0.0)) return 1.0;
-  for (double n = 1.0; n <= steps; n += 1.0) {
-    double free = (n - 1.0) / steps, blocked = n / steps;
+  for (std::uint64_t n = 1; static_cast<double>(n) <= steps; ++n) {
+    double free = static_cast<double>(n - 1) / steps, blocked = static_cast<double>(n) / steps;
     const Vec3 place = from + way * blocked;
     if (!contains(place)) return 1.0;  // beyond the site nothing blocks
     if (!is_blocked(place)) continue;
