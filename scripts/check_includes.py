@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/blood", "core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
+CORE = ACTING + ["core/blood", "core/debris", "core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -31,6 +31,7 @@ SEES = {
     "core/voxel": BASE,
     "core/tool": CONFIG,
     "core/contact": VALUES,
+    "core/debris": BASE,
     "core/drill": VALUES,
     "core/heat": BASE,
     "core/measure": ACTING,

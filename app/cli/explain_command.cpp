@@ -14,10 +14,6 @@ std::string size_text(std::uint64_t bytes) {
   return fmt::format("{} B", bytes);
 }
 
-bool in_this_version(const std::string& table) {
-  return std::ranges::any_of(shipped_effects(), [&](const EffectEntry& effect) { return table == effect.table && effect.read != nullptr; });
-}
-
 std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
   std::string out = fmt::format("{}: {}\n\n", loaded.scene.file, loaded.scene.title);
   out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}\n", "effect", "clock", "rate", "bytes", measured != nullptr ? "time" : "",
@@ -29,10 +25,7 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
     out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.table, name_of(row.clock), rate, size_text(row.bytes), time,
                        row.step, row.detail);
   }
-  std::vector<std::string> absent, later;
-  for (const std::string& name : plan.not_built) (in_this_version(name) ? absent : later).push_back(name);
-  if (!absent.empty()) out += fmt::format("\nnot built, as this scene has no table for it: {}", fmt::join(absent, ", "));
-  out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
+  if (!plan.not_built.empty()) out += fmt::format("\nnot built, as this scene has no table for it: {}\n", fmt::join(plan.not_built, ", "));
   out += fmt::format("\nmemory at the peak, about {}\n", plan.memory.text());
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
   return out;

@@ -75,7 +75,7 @@ class IrrigationPlan final : public ConfigPlan<IrrigationPlan, IrrigationConfig>
             .bytes = sizeof(IrrigationEffect)};
   }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.warms) out.push_back("[irrigation] without [heat]: there is nothing to cool, so it only counts its flow");
+    if (!context.needs.warms) out.push_back("[irrigation] without [heat] it cools nothing; with [dust] it rinses chips");
   }
   std::string setting() const override { return fmt::format("irrigation {:g} ml/min", config_.flow / kMillilitrePerMinute); }
 

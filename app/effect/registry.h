@@ -10,9 +10,7 @@ namespace burrhole {
 
 // One function per line of registry.inc: NAME_effect(), defined in app/effect/NAME.cpp.
 #define BH_EFFECT(name) [[nodiscard]] EffectEntry name##_effect();
-#define BH_LATER(name)
 #include "app/effect/registry.inc"
 #undef BH_EFFECT
-#undef BH_LATER
 
 }  // namespace burrhole

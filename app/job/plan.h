@@ -12,7 +12,7 @@ namespace burrhole {
 
 struct Plan {
   std::vector<PlanRow> rows;           ///< volume and hand, then the effects in the order of the registry
-  std::vector<std::string> not_built;  ///< effects without a table in the scene, and those of later versions
+  std::vector<std::string> not_built;  ///< effects without a table in the scene
   std::vector<std::string> warnings;
   std::size_t scene_warnings = 0;  ///< number of warnings of the scene itself; those after them are of tools that inputs change to
   MemoryPlan memory;               ///< of the whole process

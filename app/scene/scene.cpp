@@ -313,10 +313,6 @@ OutcomeLimits read_outcome(TableReader table) {
 
 void read_effects(TableReader& root, const SceneContext& context, Scene& scene, Issues& issues) {
   for (const EffectEntry& entry : *context.registry) {
-    if (entry.read == nullptr) {
-      if (root.has(entry.table)) root.fault(entry.table, "is an effect that is not in this version");
-      continue;
-    }
     auto table = root.table(entry.table, entry.about);
     if (!table) continue;
     scene.effects.add(entry.table, entry.read(*table, scene, issues));
@@ -381,7 +377,7 @@ void add_effect(Scene& scene, const std::string& name) {
   TableReader root = document->root(issues);
   EffectPlans all;  // in the order of the registry
   for (const EffectEntry& entry : shipped_effects()) {
-    if (name == entry.table && entry.read != nullptr) {
+    if (name == entry.table) {
       auto table = root.table(name, entry.about);
       all.add(name, entry.read(*table, scene, issues));
     }

@@ -52,13 +52,13 @@ struct SceneContext {
 /// @returns the path of a tool's file by its name or path, as in [tool]; nothing if there is no such file.
 [[nodiscard]] std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context);
 
-/// Adds a shipped effect with its defaults, as an empty table does; no operation if the scene has it. @param table of an effect of this
-/// version.
+/// Adds a shipped effect with its defaults, as an empty table does; no operation if the scene has it. @param table of a shipped
+/// effect.
 void add_effect(Scene& scene, const std::string& table);
 
 /// Pushes every error of the file, not only the first. @returns nothing if an issue was pushed. Codes: out_of_range for numbers outside
-/// their range; unavailable (exit code 4) for hand.kind = "device", which needs hardware; bad_input for all others, also for words and
-/// effects of later versions.
+/// their range; unavailable (exit code 4) for hand.kind = "device", which needs hardware; bad_input for all others, also for words of
+/// later versions.
 /// @param log records the keys that were read; may be null.
 [[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                               KeyLog* log = nullptr);

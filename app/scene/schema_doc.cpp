@@ -321,17 +321,6 @@ round bracket excludes the end.
 
 const char* head_of(SchemaFile file) { return file == SchemaFile::scene ? kSceneHead : file == SchemaFile::tool ? kToolHead : kRawHead; }
 
-std::string later_effects() {
-  std::string out = "\n## Tables of later versions\nThis version has none of these effects and reports their tables as errors:";
-  const char* before = " ";
-  for (const EffectEntry& effect : shipped_effects()) {
-    if (effect.read != nullptr) continue;
-    out += before + markdown_code(header_of(effect.table));
-    before = ", ";
-  }
-  return out + ".\n";
-}
-
 }  // namespace
 
 Schema merge_logs(std::span<const KeyLog> logs, std::span<const std::string> names) {
@@ -352,7 +341,6 @@ std::string schema_markdown(SchemaFile file) {
   const Schema schema = merge_logs(logs, names);
   std::string out = head_of(file);
   out += "```toml\n" + schema_example(file) + "```\n\n## Top of the file\n\n" + section(schema, "") + inner_sections(schema, "");
-  if (file == SchemaFile::scene) out += later_effects();
   return out;
 }
 

@@ -56,7 +56,6 @@ std::vector<SchemaSample> scene_samples() {
   samples.push_back({"output", scene(plate, "output"), {}});
   samples.push_back({"outcome", scene(plate, "outcome"), {}});
   for (const EffectEntry& effect : shipped_effects()) {
-    if (effect.read == nullptr) continue;
     samples.push_back({effect.table, scene(plate, effect.table), {}});
     for (const std::string& lines : effect.samples)
       samples.push_back(

@@ -162,7 +162,7 @@ class ConfigPlan : public EffectPlan {
   Config config_;
 };
 
-/// A line of the registry. A null `read` reserves the table for a later version.
+/// A line of the registry.
 struct EffectEntry {
   const char* table;
   const char* about;

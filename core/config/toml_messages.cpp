@@ -16,7 +16,7 @@ namespace {
 // unit.
 // clang-format off
 constexpr std::array kUnitSuffixes = {
-    "_nm_s_per_rad", "_nm_per_rad", "_kg_m2", "_ml_per_min", "_mm_per_min", "_j_per_mm3", "_n_per_mm", "_mm_per_s", "_ns_per_m",
+    "_nm_s_per_rad", "_nm_per_rad", "_kg_m2", "_ml_per_min", "_l_per_min", "_mm_per_min", "_j_per_mm3", "_n_per_mm", "_mm_per_s", "_ns_per_m",
     "_n_s_per_m", "_deg_per_s", "_n_per_m", "_n_per_s", "_m_per_s", "_um_per_rev", "_per_rev", "_per_mm", "_percent", "_n_mm", "_rad_s",
     "_mm_s", "_mm3", "_nmm", "_rpm", "_deg", "_rad", "_mm", "_um", "_cm", "_khz", "_hz", "_ms", "_us", "_min", "_kg", "_hu", "_px",
     "_mpa", "_db", "_nm", "_w", "_mj", "_j", "_n", "_s", "_c", "_m", "_g", "_voxels", "_ticks"};

@@ -226,7 +226,6 @@ class BadInput(WithFolder):
             ([("[hand]", "[hand]\nkind = \"replay\"")], "is not in this version"),
             ([("[contact]", "[contact]\nbit = \"device\"")], "unknown key \"bit\" in [contact]"),
             ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "display.bisections is read only with shading = surface and quality = fixed: remove the key"),
-            ([("[contact]", "[dust]\n[contact]")], "is an effect that is not in this version"),
             ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),
             ([("title = \"Quick plate\"", "title = \"Quick plate")], "scene.toml:1:"),
         ]

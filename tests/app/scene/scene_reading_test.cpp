@@ -144,7 +144,6 @@ const BadScene kBadScenes[] = {
     {"[record]", "[display]\ncut = \"tip\"\ncut_normal = [0, 0, 1]", {"~unknown key \"cut_normal\" in [display]"}},
     {"[record]", "[display]\nmethod = \"slices\"\nshadow = true", {"~unknown key \"shadow\" in [display]"}},
     {"[record]", "[display]\nbackground_top = [0, 2, 0]", {"~display.background_top[1] = 2 must be in [0, 1]"}},
-    {"[record]", "[dust]", {"bad.toml:30:2: dust is an effect that is not in this version"}},
     {"phantom:plate",
      "skull.nii",
      {"~bad.toml:5:1: volume.source = \"skull.nii\" is not there: tried skull.nii; a path in a scene counts from the scene's folder"}},
