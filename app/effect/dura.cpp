@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/effect/dura_picture.h"
+#include "app/effect/passive_keys.h"
 #include "app/effect/registry.h"
 #include "app/stage/dura_state.h"
 #include "app/stage/stage.h"
@@ -293,10 +294,7 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
     c.pulse_rate = table.number("pulse_hz", above_zero(c.pulse_rate, 1.0, 10.0), "rate of that pulse (an assumption)");
     c.largest_force =
         table.number("largest_N", above_zero(c.largest_force, 1.0, 1e3), "largest force of the dura on the hand (an assumption)");
-    c.limit.allowance = table.number("allowance_mJ", above_zero(c.limit.allowance * kKilo, 1e-3, 1e3),
-                                     "energy that the dura may give to the hand at most (an assumption)");
-    c.limit.acceleration = table.number("acceleration_m_per_s2", above_zero(c.limit.acceleration, 1.0, 1e5),
-                                        "largest acceleration of the hand for which that holds (an assumption)");
+    read_passive_limit(table, "the dura", c.limit);
   }
 
   PlanRow row(const PlanContext& context) const override {

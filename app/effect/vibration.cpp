@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/effect/passive_keys.h"
 #include "app/effect/registry.h"
 #include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
@@ -147,10 +148,7 @@ DrillingForceConfig read_drilling(TableReader table) {
   c.resistance =
       table.number("resistance_N_s_per_m", above_zero(c.resistance, 1.0, 1e5), "force over the speed of the drill (an assumption)");
   c.time = table.number("time_constant_ms", above_zero(c.time * 1e3, 1e-3, 1e3), "of the mean of the speed (an assumption)");
-  c.limit.allowance = table.number("allowance_mJ", above_zero(c.limit.allowance * 1e3, 1e-3, 1e3),
-                                   "energy that the force may give to the hand at most, over any motion (an assumption)");
-  c.limit.acceleration = table.number("acceleration_m_per_s2", above_zero(c.limit.acceleration, 1.0, 1e5),
-                                      "largest acceleration of the hand for which that holds (an assumption)");
+  read_passive_limit(table, "the force", c.limit);
   table.finish();
   return c;
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "app/effect/passive_keys.h"
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
 #include "app/stage/zone_state.h"
@@ -248,10 +249,7 @@ FixtureConfig read_guidance(TableReader table) {
                            "force over the speed of the hand towards the zone (an assumption)");
   c.largest =
       table.number("largest_N", above_zero(c.largest, 1.0, 1e3), "largest force on the hand; that of a small device (an assumption)");
-  c.limit.allowance = table.number("allowance_mJ", above_zero(c.limit.allowance * 1e3, 1e-3, 1e3),
-                                   "energy that the guidance may give to the hand at most, over any motion (an assumption)");
-  c.limit.acceleration = table.number("acceleration_m_per_s2", above_zero(c.limit.acceleration, 1.0, 1e5),
-                                      "largest acceleration of the hand for which that holds (an assumption)");
+  read_passive_limit(table, "the guidance", c.limit);
   table.finish();
   return c;
 }
