@@ -325,11 +325,14 @@ std::string log_tics(const PlotRange& x, std::span<const double> steps, int& cou
   return "set xtics (" + out + ")\n";
 }
 
-/// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three.
+/// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three, at the powers alone where they are too many
+/// for their texts.
 std::string log_tics(const PlotRange& x) {
-  constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
+  constexpr double kPowers[] = {1.0}, kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
+  constexpr int kMost = 12;
   int count = 0;
   const std::string coarse = log_tics(x, kCoarse, count);
+  if (count > kMost) return log_tics(x, kPowers, count);
   return count >= 3 ? coarse : log_tics(x, kFine, count);
 }
 

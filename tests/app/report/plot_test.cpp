@@ -221,5 +221,24 @@ TEST_CASE("plot: an unwritable path is bad input with the path") {
   CHECK(status.error().code == ErrorCode::bad_input);
 }
 
+TEST_CASE("plot: a logarithmic axis has three to twelve marks, whatever its range") {
+  const auto marks = [](double lo, double hi) {
+    Plot plot;
+    plot.columns = 1;
+    plot.log_x = true;
+    PlotPanel panel;
+    panel.y_label = "y";
+    panel.series.push_back({"", {lo, hi}, {1.0, 2.0}});
+    plot.panels.push_back(panel);
+    const std::string script = plot_script(plot);
+    const std::size_t from = script.find("set xtics ("), to = script.find(')', from);
+    REQUIRE(from != std::string::npos);
+    return std::count(script.begin() + static_cast<std::ptrdiff_t>(from), script.begin() + static_cast<std::ptrdiff_t>(to), ',') + 1;
+  };
+  CHECK(marks(1.0, 3.0) >= 3);
+  CHECK(marks(1.0, 100.0) >= 5);
+  for (const double hi : {1e3, 1e4, 1e5, 1e6, 1e8}) CHECK(marks(0.1, hi) <= 12);
+}
+
 }  // namespace
 }  // namespace burrhole
