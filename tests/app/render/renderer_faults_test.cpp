@@ -8,7 +8,7 @@
 
 #include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -94,8 +94,8 @@ TEST_CASE("errors: a shader folder that is missing or holds a faulty shader is n
   REQUIRE_FALSE(missing.ok());
   CHECK(missing.error().text().find("/nonexistent/shaders") != std::string::npos);
 
-  const std::filesystem::path folder = test::in_build("test-shaders-faulty");
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder written;
+  const std::filesystem::path& folder = written.path();
   for (const auto& [name, text] : embedded_shaders())
     std::ofstream(folder / name) << text << (name == "raycast.frag" ? "\nnonsense;\n" : "");
   const auto faulty = Renderer::create({.shader_folder = folder});

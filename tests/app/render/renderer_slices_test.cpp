@@ -9,7 +9,7 @@
 #include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -223,8 +223,8 @@ TEST_CASE("slices: from every side the near half hides the far one, and from ins
 }
 
 TEST_CASE("slices: drawn from near to far, the order shows, so the test above would notice") {
-  const std::filesystem::path folder = test::in_build("test-shaders-near-first");
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder written;
+  const std::filesystem::path& folder = written.path();
   for (const auto& [name, text] : embedded_shaders()) {
     std::string broken = text;
     constexpr std::string_view kOrder = "count - 1 - gl_InstanceID";

@@ -8,7 +8,7 @@
 #include "tests/app/render/render_scenes.h"
 #include "tests/app/render/slow_ray_caster.h"
 #include "tests/support/image_compare.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -80,8 +80,8 @@ TEST_CASE("ray caster: the comparison notices a flipped normal, a lookup half a 
 }
 
 TEST_CASE("ray caster: the comparison detects an error in the shader itself, read from a folder") {
-  const std::filesystem::path folder = test::in_build("test-shaders-sabotaged");
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder written;
+  const std::filesystem::path& folder = written.path();
   for (const auto& [name, text] : embedded_shaders()) {
     std::string broken = text;
     const std::size_t place = broken.find("(index + 0.5) / dims.xyz");
