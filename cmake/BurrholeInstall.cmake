@@ -21,7 +21,7 @@ foreach(folder core haptics volumes app/view app/session app/stage app/effect ap
   if(EXISTS "${PROJECT_SOURCE_DIR}/${folder}")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/burrhole/${folder}"
       FILES_MATCHING PATTERN "*.h" PATTERN "registry.inc" PATTERN "*-inl.h" EXCLUDE PATTERN "toml_parsed.h" EXCLUDE PATTERN "sqlite_file.h" EXCLUDE
-        REGEX "render/(bone_buffer|bone_paint|gl_object|gl_target|read_buffer|shader_program|tool_depth|tool_mesh|transfer_texture|triangle_chunks|upload_ring|volume_texture|renderer_impl|skin_mesh)[.]h$" EXCLUDE
+        REGEX "render/(added_mesh_buffer|bone_buffer|bone_paint|gl_object|gl_target|read_buffer|shader_program|tool_depth|tool_mesh|transfer_texture|triangle_chunks|upload_ring|volume_texture|renderer_impl|skin_mesh)[.]h$" EXCLUDE
         PATTERN "oracle" EXCLUDE)
   endif()
 endforeach()
