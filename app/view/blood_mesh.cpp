@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "app/view/tissue_texels.h"
 #include "core/base/trilinear.h"
 
 namespace burrhole {
@@ -24,10 +25,7 @@ constexpr int kSides = 6;                       // of a bead
 constexpr unsigned kRunOf = 9;                  // [beads] of which one starts a run
 constexpr int kMostRun = 60;                    // beads of a run
 
-Rgba8 rgba(const Vec3& color, std::uint8_t shine) {
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0, 1.0) * 255.0 + 0.5); };
-  return {byte(color.x), byte(color.y), byte(color.z), shine};
-}
+Rgba8 rgba(const Vec3& color, std::uint8_t shine) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z), shine}; }
 
 unsigned scatter(const Vec3i& voxel) {
   auto h = static_cast<std::uint32_t>(voxel.x) * 73856093u ^ static_cast<std::uint32_t>(voxel.y) * 19349663u ^

@@ -64,7 +64,7 @@ void BloodSite::update(const VoxelBox& changed, std::span<const float> density, 
 
 void BloodSite::set_removed(std::size_t at, float density) noexcept {
   const float gone = std::clamp(bone_.whole[at] - density, 0.0f, 1.0f);
-  const auto now = static_cast<std::uint16_t>(gone * static_cast<float>(kWhole) + 0.5f);
+  const auto now = static_cast<std::uint16_t>(std::lround(gone * static_cast<float>(kWhole)));
   Layer& layer = layers_[layer_[at]];
   layer.removed += static_cast<std::int64_t>(now) - removed_[at];
   // A voxel is part of the hole where the larger half of its bone is gone.

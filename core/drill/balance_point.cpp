@@ -20,7 +20,7 @@ bool has_bone(const MasterWindow& window, const Vec3& index) noexcept {
 BalancePoint::BalancePoint(const Tool& tool) {
   const PointShell& shell = tool.shell;
   const auto cutting = static_cast<std::size_t>(std::ranges::count_if(shell.cutting, [](std::uint8_t cuts) { return cuts != 0; }));
-  const std::size_t stride = (cutting + kMostPlaces - 1) / kMostPlaces;
+  const std::size_t stride = std::max<std::size_t>(1, (cutting + kMostPlaces - 1) / kMostPlaces);
   std::size_t number = 0;
   for (std::size_t n = 0; n < shell.size(); ++n)
     if (shell.cutting[n] != 0 && number++ % stride == 0) places_.push_back({shell.positions[n], -shell.inward_normals[n]});
