@@ -6,6 +6,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -73,6 +74,10 @@ class TextureSink final : public FrameSink {
         }
     ++parts;
   }
+  Status set_added(const std::shared_ptr<const AddedMesh>& mesh) override {
+    added.push_back(mesh);
+    return {};
+  }
   Status draw(const std::string& name, const FrameView&, int, int, Hash64&) override {
     if (name == throws_at) throw std::runtime_error("a picture that cannot be drawn");
     names.push_back(name);
@@ -81,6 +86,7 @@ class TextureSink final : public FrameSink {
   std::vector<Rgba8> texels;
   std::vector<std::uint16_t> field;
   std::vector<std::string> names;
+  std::vector<std::shared_ptr<const AddedMesh>> added;
   std::string throws_at;
   int parts = 0;
 
@@ -238,6 +244,30 @@ TEST_CASE("live: what the display was sent is the bone as it is, whenever it ask
   CHECK(sink.field == now.field);
   CHECK(sink.names.front() == "before");
   CHECK(sink.names.back() == "cutaway");
+}
+
+TEST_CASE("live: what effects show reaches the display whole, while their steps change it") {
+  TextureSink sink;
+  SimulationOptions options;
+  options.live = true;
+  options.sink = &sink;
+  SmallScene scene = short_scene();
+  scene.display = true;
+  scene.volume = kSkullPatchKeys;
+  scene.sets.push_back("tool.erosion_scale=20");
+  DrillRun run(load_text(scene_text(scene) + "\n[dust]\n[bleeding]\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", scene.sets), options);
+  run.run();
+  REQUIRE(sink.added.size() >= 2);  // before the cut, and after it
+  for (const std::shared_ptr<const AddedMesh>& mesh : sink.added) {
+    REQUIRE(mesh != nullptr);
+    CHECK(mesh->colors.size() == mesh->vertices.size());
+    for (const auto& triangle : mesh->triangles)
+      for (const std::uint32_t corner : triangle) REQUIRE(corner < mesh->vertices.size());
+  }
+  CHECK(figure(run.simulation(), "dust", "removed_mm3") > 0.0);
+  std::size_t most = 0;
+  for (const std::shared_ptr<const AddedMesh>& mesh : sink.added) most = std::max(most, mesh->triangles.size());
+  CHECK(most > sink.added.front()->triangles.size());  // chips beside the sheet, which the bit then tears
 }
 
 TEST_CASE("live: script, time, a signal, and an exception in a picture all leave the hand without force") {
