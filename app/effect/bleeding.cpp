@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "app/effect/gravity_key.h"
 #include "app/effect/registry.h"
 #include "app/stage/bleeding_state.h"
 #include "app/stage/coolant.h"
@@ -244,14 +245,7 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
                           "depth of blood that hides the floor of the hole (an assumption)");
     c.reach = table.number("reach_mm", above_zero(c.reach / kMillimetre, kMillimetre, 100.0),
                            "distance from the drilled line up to which bone bleeds");
-    if (const auto down = table.optional_numbers("down", 3, {.min = -1e6, .max = 1e6},
-                                                 "direction of gravity, world frame; absent: along the approach axis, into the bone")) {
-      const Vec3 given((*down)[0], (*down)[1], (*down)[2]);
-      if (glm::length(given) > 0.0)
-        c.down = glm::normalize(given);
-      else
-        table.fault("down", "must not be zero");
-    }
+    c.down = read_down(table);
   }
 
   PlanRow row(const PlanContext& context) const override {
@@ -282,9 +276,7 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
     const BoneShape shape{.dims = bone.dims(), .bone_from_index = bone.bone_from_index(), .thickness = stage.approach.thickness};
     SiteBone site{.box = box_of(drilling_way(stage.config, shape), shape.bone_from_index, shape.dims),
                   .bone_from_index = shape.bone_from_index};
-    const Pose& world_from_bone = stage.config.volume.world_from_bone;
-    site.down = config_.down ? glm::conjugate(world_from_bone.rotation) * *config_.down
-                             : stage.approach.bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
+    site.down = down_in_bone(stage, config_.down);
     const std::size_t count = site.box.count();
     std::vector<float> labels(count), hardness(count);
     site.whole.resize(count);

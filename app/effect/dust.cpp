@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/effect/gravity_key.h"
 #include "app/effect/registry.h"
 #include "app/stage/coolant.h"
 #include "app/stage/drill_clutch.h"
@@ -251,11 +252,7 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
                            "distance from the drilled line up to which chips are followed; beyond it they are lost");
     c.heap_cell = table.number("heap_cell_mm", {.fallback = c.heap_cell / kMillimetre, .min = 0.05, .max = 5.0, .to_si = kMillimetre},
                                "edge of the cells in which chips pile up");
-    if (const auto down = table.optional_numbers("down", 3, {.min = -1e3, .max = 1e3},
-                                                 "direction of gravity, world frame; default: along the drilled line, into bone")) {
-      c.down = Vec3((*down)[0], (*down)[1], (*down)[2]);
-      if (!(glm::length(*c.down) > 0.0)) table.fault("down", "must not be zero");
-    }
+    c.down = read_down(table);
     f.seed = static_cast<std::uint64_t>(table.integer("seed", static_cast<std::int64_t>(f.seed), 0, 1'000'000'000, "seed of the scatter"));
     if (const auto suction = table.table("suction", "a suction nozzle near the tip; absent: none")) c.suction = read_suction(*suction);
   }
@@ -287,11 +284,8 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     const BoneModel& bone = stage.voxmap->bone();
     const BoneShape shape{.dims = bone.dims(), .bone_from_index = bone.bone_from_index(), .thickness = stage.approach.thickness};
-    const Pose& bone_from_approach = stage.approach.bone_from_approach;
-    const Vec3 down = config_.down ? stage.config.volume.world_from_bone.inverse().rotate(*config_.down)
-                                   : bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
     auto site = DebrisSite::create(box_of(drilling_way(stage.config, shape), shape.bone_from_index, config_.reach), shape.bone_from_index,
-                                   {Vec3i(0), shape.dims}, config_.heap_cell, down);
+                                   {Vec3i(0), shape.dims}, config_.heap_cell, down_in_bone(stage, config_.down));
     if (!site)
       return Error{ErrorCode::bad_input, "[dust] " + site.error().message + ": reduce dust.reach_mm or increase dust.heap_cell_mm",
                    config_.place};
