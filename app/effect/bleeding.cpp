@@ -20,11 +20,13 @@
 namespace burrhole {
 namespace {
 
-constexpr double kMillilitre = 1e-6;                         // [m^3]
-constexpr double kMillilitrePerMinute = kMillilitre / 60.0;  // [m^3/s]
-constexpr double kLeastFlow = 0.01 * kMillilitrePerMinute;   // below which it has stopped
-constexpr double kBeyond = 2e-3;                             // [m] beyond the ends of the drilled line, in which bone is read
-const Vec3 kTiny(0.0, 0.0, -1e-30);                          // [m] so that a line without a length has a direction
+constexpr const char *kBleedingTexts[] = {"stopped", "started", "stopped by wax"},
+                     *kFloorTexts[] = {"seen", "hidden by blood"};  // of BleedingState
+constexpr double kMillilitre = 1e-6;                                // [m^3]
+constexpr double kMillilitrePerMinute = kMillilitre / 60.0;         // [m^3/s]
+constexpr double kLeastFlow = 0.01 * kMillilitrePerMinute;          // below which it has stopped
+constexpr double kBeyond = 2e-3;                                    // [m] beyond the ends of the drilled line, in which bone is read
+const Vec3 kTiny(0.0, 0.0, -1e-30);                                 // [m] so that a line without a length has a direction
 
 constexpr double kWetFilm = 1e-3;                       // [m] of blood on the opened pores that is drawn as full beads
 constexpr double kSeenLevel = 1e-5, kSeenShare = 0.02;  // [m], [-] changes that are drawn
@@ -75,8 +77,8 @@ class BleedingEffect final : public Effect, public PictureSource {
     auto publish = graph.step(
         Clock::contact, "bleeding", "bleeding seen", [](void* self, const Tick&) { static_cast<BleedingEffect*>(self)->publish(); }, this);
     seen_ = publish.latest(slots::kBleeding);
-    publish.column(kBleedingColumn, "", &seen_level_);
-    publish.column(kFloorHiddenColumn, "", &seen_hidden_);
+    publish.column("bleeding", {"bleeding", kBleedingTexts}, &seen_level_);
+    publish.column("floor_hidden", {"floor", kFloorTexts}, &seen_hidden_);
     return {};
   }
   /// Bone that comes back closes its pores and takes the wax away; blood for which the hole has no room overflows in the next step.

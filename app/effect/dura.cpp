@@ -34,6 +34,7 @@ struct DuraScene {
   std::string place{};
 };
 
+constexpr const char* kLevelTexts[] = {"clear", "pressed", "torn"};  // of DuraState::level
 constexpr double kAbove = 3e-3, kBelow = 8e-3;  // [m] from the inner end of the axis, between which the dura is searched
 constexpr double kNear = 2e-3;                  // [m] of a point of the tool above the dura, beyond which the dura is left at rest
 constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
@@ -122,7 +123,7 @@ class DuraEffect final : public Effect {
     if (sees_bone_) touch_ = push.now(slots::kTouch);
     seen_ = push.latest(slots::kDura);
     push_ = push.own(slots::kDuraPush);
-    push.column(kDuraLevelColumn, "", &level_);
+    push.column("dura_level", {"dura", kLevelTexts}, &level_);
     auto servo = graph.step(
         Clock::servo, "dura", "dura felt", [](void* self, const Tick& tick) { static_cast<DuraEffect*>(self)->feel(tick); }, this);
     hand_ = servo.now(slots::kHand);

@@ -20,8 +20,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kReleased = 1.2;   // [-] of the warning's distance, beyond which the tip is clear again
-constexpr double kMostTilt = 1e-6;  // [-] cosine between two axes of voxels that count as perpendicular
+constexpr const char* kLevelTexts[] = {"clear", "near", "inside"};  // of ZoneState::level
+constexpr double kReleased = 1.2;                                   // [-] of the warning's distance, beyond which the tip is clear again
+constexpr double kMostTilt = 1e-6;                                  // [-] cosine between two axes of voxels that count as perpendicular
 
 struct ZoneTube {
   Vec3 from{0.0}, to{0.0};  ///< [m] bone frame
@@ -81,7 +82,7 @@ class ZonesEffect final : public Effect {
     if (sees_bone_) touch_ = step.now(slots::kTouch);
     zone_ = step.own(slots::kZone);
     step.column(kZoneDistanceColumn, "m", &distance_);
-    step.column(kZoneLevelColumn, "", &level_);
+    step.column(kZoneLevelColumn, {"zone", kLevelTexts}, &level_);
     if (!fixture_) return {};
     fixture_->restart();
     auto guide = graph.step(

@@ -108,10 +108,11 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
     r.layer_rows.push_back({layer.name, layer.thickness_mm, layer.time_s, layer.mean_N, layer.peak_N, layer.removed_mass_mm3});
   }
   std::ranges::sort(r.layers, {}, &DrillReport::Layer::from_mm);
-  constexpr std::string_view kWithText[] = {"hand", "tool", "mark", "zone", "dura", "bleeding", "floor"};
-  for (const RunEvent& event : simulation.events())
-    r.events.push_back(
-        {event.time, std::ranges::find(kWithText, event.kind) != std::end(kWithText) ? event.kind + ": " + event.text : event.kind});
+  constexpr std::string_view kExplained[] = {"breakthrough", "passed", "refused", kUnrecordedEvent};  // whose texts are long
+  for (const RunEvent& event : simulation.events()) {
+    const bool alone = event.text.empty() || std::ranges::find(kExplained, event.kind) != std::end(kExplained);
+    r.events.push_back({event.time, alone ? event.kind : event.kind + ": " + event.text});
+  }
   r.setting = setting_of(loaded.scene, summary.by_user);
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;

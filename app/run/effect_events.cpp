@@ -1,28 +1,12 @@
 #include "app/run/effect_events.h"
 
 #include <algorithm>
-#include <array>
 
 #include "app/run/live_rows.h"
-#include "app/stage/bleeding_state.h"
-#include "app/stage/dura_state.h"
 #include "app/stage/zone_state.h"
 
 namespace burrhole {
 namespace {
-
-constexpr std::array<const char*, 3> kZoneTexts{"clear", "near", "inside"}, kDuraTexts{"clear", "pressed", "torn"},
-    kBleedingTexts{"stopped", "started", "stopped by wax"};
-constexpr std::array<const char*, 2> kFloorTexts{"seen", "hidden by blood"};
-
-struct Known {
-  const char *column, *kind;
-  std::span<const char* const> texts;
-};
-constexpr Known kKnown[] = {{kZoneLevelColumn, "zone", kZoneTexts},
-                            {kDuraLevelColumn, "dura", kDuraTexts},
-                            {kBleedingColumn, "bleeding", kBleedingTexts},
-                            {kFloorHiddenColumn, "floor", kFloorTexts}};
 
 /// @returns the place of a column of the contact clock; nothing if there is none.
 std::optional<std::size_t> contact_column(const StepGraph& graph, std::string_view name) {
@@ -43,8 +27,9 @@ std::optional<ZoneReading> ZoneColumns::read(std::span<const double> values) con
 }
 
 EffectEvents::EffectEvents(const StepGraph& graph) {
-  for (const Known& known : kKnown)
-    if (const auto column = contact_column(graph, known.column)) watched_.push_back({known.kind, known.texts, *column});
+  const std::vector<StepColumn>& columns = graph.columns(Clock::contact);
+  for (std::size_t n = 0; n < columns.size(); ++n)
+    if (columns[n].states.kind != nullptr) watched_.push_back({columns[n].states, n});
 }
 
 Status EffectEvents::look(const StepGraph& graph, double time, RunLog& log) {
@@ -57,10 +42,10 @@ Status EffectEvents::record(std::span<const double> values, double time, RunLog&
   for (Watched& one : watched_) {
     if (one.column >= values.size()) continue;
     const double raw = values[one.column];
-    const std::size_t value = raw > 0.0 ? std::min(static_cast<std::size_t>(raw), one.texts.size() - 1) : 0;
+    const std::size_t value = raw > 0.0 ? std::min(static_cast<std::size_t>(raw), one.states.texts.size() - 1) : 0;
     if (value == one.value) continue;
     one.value = value;
-    if (Status noted = log.record_event(time, one.kind, one.texts[value]); !noted) return noted;
+    if (Status noted = log.record_event(time, one.states.kind, one.states.texts[value]); !noted) return noted;
   }
   return {};
 }

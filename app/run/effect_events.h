@@ -1,4 +1,4 @@
-/// app/run/effect_events.h: events of effects: a column of the contact clock whose value changes from one evaluation to the next.
+/// app/run/effect_events.h: events of effects: the changes of their columns that are states (ColumnStates).
 ///   Errors  those of RunLog.   Thread  that of the log.
 #pragma once
 
@@ -26,8 +26,7 @@ class EffectEvents {
 
  private:
   struct Watched {
-    const char* kind;
-    std::span<const char* const> texts;  // by value
+    ColumnStates states;
     std::size_t column;
     std::size_t value = 0;
   };

@@ -13,8 +13,6 @@ struct BleedingState {
 };
 
 inline constexpr double kBleedingNone = 0.0, kBleedingStarted = 1.0, kBleedingWaxed = 2.0;
-/// Columns on the contact clock.
-inline constexpr const char *kBleedingColumn = "bleeding", *kFloorHiddenColumn = "floor_hidden";
 
 namespace slots {
 inline const SlotKey<BleedingState> kBleeding{"bleeding"};  ///< simulation clock; owned by [bleeding]

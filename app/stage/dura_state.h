@@ -16,7 +16,6 @@ struct DuraState {
 };
 
 inline constexpr double kDuraClear = 0.0, kDuraPressed = 1.0, kDuraTorn = 2.0;
-inline constexpr const char* kDuraLevelColumn = "dura_level";  ///< on the contact clock
 
 namespace slots {
 inline const SlotKey<DuraState> kDura{"dura"};      ///< simulation clock; owned by [dura]

@@ -40,6 +40,11 @@ StepGraph::Binder& StepGraph::Binder::column(std::string name, std::string unit,
   return *this;
 }
 
+StepGraph::Binder& StepGraph::Binder::column(std::string name, const ColumnStates& states, const double* value) {
+  graph_->steps_[step_].columns.push_back({std::move(name), "", value, false, states});
+  return *this;
+}
+
 std::size_t StepGraph::find_or_make(const char* name, std::type_index type, const void* start, std::size_t size, std::size_t align) {
   BH_ASSERT(align <= alignof(std::max_align_t));
   static_cast<void>(align);
@@ -148,6 +153,11 @@ Status StepGraph::check_columns() const {
     if (!is_recorded(step.clock) && !step.columns.empty())
       return bad_input("the column \"" + step.columns.front().name + "\" is on the " + name_of(step.clock) +
                        " clock, which has no stream in a session");
+  for (const BoundStep& step : steps_)
+    for (const StepColumn& column : step.columns)
+      if (column.states.kind != nullptr && step.clock != Clock::contact)
+        return bad_input("the states \"" + column.name + "\" are on the " + name_of(step.clock) +
+                         " clock: only those of contact are events");
   for (std::size_t n = 0; n < kClocks; ++n) {
     const auto clock = static_cast<Clock>(n);
     const std::vector<StepColumn>& all = columns(clock);

@@ -54,11 +54,19 @@ struct Tick {
   double dt = 0.0;           ///< [s] duration of the tick; 0 on the frame clock
 };
 
+/// What the values of a column mean if they are states: the value, rounded down, is the index of a text. The run starts in the first state;
+/// each change is an event of the run, with this kind and the text of the new state.
+struct ColumnStates {
+  const char* kind = nullptr;            ///< null: the values are no states
+  std::span<const char* const> texts{};  ///< of static storage; at least one
+};
+
 /// A recorded value: a column in the session's stream of a clock.
 struct StepColumn {
   std::string name, unit;
   const double* value = nullptr;  ///< [unit] as in `unit`
   bool exact = false;             ///< true: every bit of every tick is recorded; false: rounded, and not every tick, for plots
+  ColumnStates states{};
 };
 
 class StepGraph {
@@ -107,6 +115,8 @@ class StepGraph {
     /// Records `*value` with each tick of the step's clock.
     /// @param exact as StepColumn::exact.
     Binder& column(std::string name, std::string unit, const double* value, bool exact = false);
+    /// The same for a value that is a state, whose changes are events of the run. Only on the contact clock.
+    Binder& column(std::string name, const ColumnStates& states, const double* value);
 
    private:
     friend class StepGraph;
@@ -150,7 +160,7 @@ class StepGraph {
 
   /// Sorts the steps of each clock and connects clocks. bad_input, with the slot and the effects: a slot that is read but not written, two
   /// owners, an owner and contributors, a slot of two types, `now` or `last` across clocks, `latest` within one clock, `last` of a slot
-  /// that is added to, a cycle, a column that cannot be recorded, more than kMaxColumns on a clock.
+  /// that is added to, a cycle, a column that cannot be recorded, more than kMaxColumns on a clock, states on another clock than contact.
   [[nodiscard]] Status resolve();
   /// @returns whether a step owns or adds to the slot of that name.
   [[nodiscard]] bool is_written(std::string_view slot) const noexcept;

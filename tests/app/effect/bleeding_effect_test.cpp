@@ -245,8 +245,7 @@ TEST_CASE("bleeding: wrong keys are refused with their place; without the table 
   CHECK_FALSE(first("[bleeding]\ncoagulation_s = 0\n").empty());
   CHECK_FALSE(first("[bleeding]\npresure_kPa = 1\n").empty());
   DrillRun without(free_scene());
-  CHECK(std::ranges::count(without.simulation().stage().graph.columns(Clock::contact), std::string(kBleedingColumn), &StepColumn::name) ==
-        0);
+  CHECK(std::ranges::count(without.simulation().stage().graph.columns(Clock::contact), std::string("bleeding"), &StepColumn::name) == 0);
   CHECK_FALSE(without.simulation().stage().figure("bleeding", "bled_ml").has_value());
   CHECK_FALSE(without.simulation().stage().graph.is_written(slots::kBleeding.name));
 }

@@ -242,7 +242,7 @@ TEST_CASE("dura: a volume without dura, or keys that contradict each other, are 
 TEST_CASE("dura: without the table there is no step, column or figure of it") {
   DrillRun without(free_scene());
   const auto columns = [](DrillRun& run) {
-    return std::ranges::count(run.simulation().stage().graph.columns(Clock::contact), std::string(kDuraLevelColumn), &StepColumn::name);
+    return std::ranges::count(run.simulation().stage().graph.columns(Clock::contact), std::string("dura_level"), &StepColumn::name);
   };
   CHECK(columns(without) == 0);
   CHECK_FALSE(without.simulation().stage().figure("dura", "torn").has_value());

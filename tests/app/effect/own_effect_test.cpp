@@ -64,6 +64,8 @@ class Probe final : public Effect {
     bone_steps_there_ = contact.latest(kBoneSteps);
     pressed_ = contact.own(kPressed);
     contact.column("probe_pressed", "N", pressed_);
+    static constexpr const char* kHalves[] = {"first half", "second half"};
+    contact.column("probe_half", {"probe", kHalves}, &half_);
     // Bound in the wrong order on purpose: the reader of `now` first, then the two that add.
     auto reader = graph.step(
         Clock::simulation, "probe", "probe now", [](void* self, const Tick&) { static_cast<Probe*>(self)->read_now(); }, this);
@@ -108,7 +110,7 @@ class Probe final : public Effect {
     if (counts_->lockstep) counts_->expect(hand_->tick + 1 == counts_->servo);
   }
   void contact() {
-    ++counts_->contact;
+    half_ = ++counts_->contact > 400 ? 1.0 : 0.0;
     *pressed_ = glm::length(state_->on_hand.force);
     counts_->bone_seen_by_contact = *bone_steps_there_;
     if (*pressed_ > 0.0 && evaluations_to_hold > 0) hold();
@@ -147,6 +149,7 @@ class Probe final : public Effect {
   const ContactState* state_ = nullptr;
   const std::uint64_t *bone_steps_there_ = nullptr, *bone_shown_ = nullptr;
   double* pressed_ = nullptr;
+  double half_ = 0.0;
   const double* sum_now_ = nullptr;
   double *total_ = nullptr, *sum_a_ = nullptr, *sum_b_ = nullptr;
   const double* total_last_ = nullptr;
@@ -239,6 +242,12 @@ TEST_CASE("own effect: its file and one registry line are all that the program n
 
   const auto session = SessionReader::open(folder.file("run.sqlite"));
   REQUIRE(session);
+  // The change of its state is an event, in the evaluation in which it changes, and not a second time.
+  std::vector<SessionEvent> events(session->events().begin(), session->events().end());
+  std::erase_if(events, [](const SessionEvent& event) { return event.kind != "probe"; });
+  REQUIRE(events.size() == 1);
+  CHECK(events.front().text == "second half");
+  CHECK(events.front().time_s == doctest::Approx(0.4).epsilon(0.004));
   CHECK(session->column("contact", "probe_pressed").ok());
   CHECK(session->column("contact", "from_simulation").ok());
   CHECK(session->column("bone", "from_servo").ok());
@@ -428,6 +437,10 @@ TEST_CASE("step graph: what cannot be satisfied is one line that names slot and 
   const std::string crowded = refusal_of({{"one", [](StepGraph::Binder& s) {
                                              for (int n = 0; n < 25; ++n) s.column("c" + std::to_string(n), "", &value);
                                            }}});
+  static const char* const texts[] = {"off", "on"};
+  const auto with_states = [](StepGraph::Binder& s) { s.column("lamp", {"lamp", texts}, &value); };
+  CHECK(refusal_of({{"one", with_states}}) == "the states \"lamp\" are on the simulation clock: only those of contact are events");
+  CHECK(refusal_of({{"one", with_states, Clock::contact}}).empty());
   CHECK(crowded == "the steps of the simulation clock record 25 columns, at most 24");
   CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.add(slots::kAddedForce); }}}) ==
         "\"added_force\" of [one] must be written on the servo clock, where the stage reads it");
