@@ -9,6 +9,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "app/job/bone_exports.h"
 #include "app/job/folder_lock.h"
 #include "app/job/run_folder.h"
 #include "app/report/drill_report.h"
@@ -345,6 +346,13 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     sink = std::move(made).value();
     options.sink = sink.get();
   }
+  BoneExports exports({.folder = job.folder, .bone = loaded.bone, .say = [&job](const std::string& line, bool failed) {
+                         if (job.user != nullptr)
+                           job.user->hear(line, failed);
+                         else if (job.say && !failed)  // an error is the run's
+                           job.say(line);
+                       }});
+  options.export_bone = [&](const Voxmap& bone, double time, const std::string& format) { return exports.begin(bone, time, format); };
   SoundOut sound(loaded.scene.find<SoundConfig>(), job.folder, job.make_speaker);
   options.sound = sound.sink();
   double thickness = 1.0;  // [m] set when the simulation exists
@@ -369,7 +377,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   // A run that an error ends has results too, unless bone could not be read: those of minutes are not lost for one picture.
   if (!ran && (simulation->time() == 0.0 || !simulation->voxmap().bone().read_status())) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Status sounded = sound.finish();
+  const Status sounded = sound.finish(), exported = exports.finish();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
   summary.provenance = std::move(made);
   summary.by_user = summary.by_user || (job.user != nullptr && job.user->took_over());
@@ -390,7 +398,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!job.folder.empty())
     written = write_results(loaded, *simulation, summary, pictures ? *pictures : std::vector<std::string>(), job.folder);
   if (ran && written) outputs->earlier.replaced();
-  for (const Status& done : {ran, closed, pictures ? Status() : Status(pictures.error()), written, sounded})
+  for (const Status& done : {ran, closed, pictures ? Status() : Status(pictures.error()), written, sounded, exported})
     if (!done) return done.error();
   return summary;
 }

@@ -52,7 +52,7 @@ inline constexpr const char* kNeverBegan = "the run was stopped before it began:
 /// Runs the scene and writes summary.json and, unless the scene turns them off, pictures, the session, bone.vdb and report.html. Scene,
 /// tools and inputs are checked before the first file is written.
 /// Errors: those of the scene's effects; unavailable with kNeverBegan, or for a refused priority; bad_input for a folder or file that cannot
-/// be written. After an error of the sound file all other results are written.
+/// be written. After an error of the sound file or of an exported bone all other results are written.
 [[nodiscard]] Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job);
 
 }  // namespace burrhole

@@ -7,15 +7,16 @@
 namespace burrhole {
 namespace {
 
-constexpr std::array<std::pair<const char*, InputKind>, 9> kKinds{{{"spin", InputKind::spin},
-                                                                   {"switches", InputKind::switches},
-                                                                   {"tool", InputKind::tool},
-                                                                   {"undo", InputKind::undo},
-                                                                   {"reset", InputKind::reset},
-                                                                   {"checkpoint", InputKind::checkpoint},
-                                                                   {"restore", InputKind::restore},
-                                                                   {"pause", InputKind::pause},
-                                                                   {"mark", InputKind::mark}}};
+constexpr std::array<std::pair<const char*, InputKind>, 10> kKinds{{{"spin", InputKind::spin},
+                                                                    {"switches", InputKind::switches},
+                                                                    {"tool", InputKind::tool},
+                                                                    {"undo", InputKind::undo},
+                                                                    {"reset", InputKind::reset},
+                                                                    {"checkpoint", InputKind::checkpoint},
+                                                                    {"restore", InputKind::restore},
+                                                                    {"pause", InputKind::pause},
+                                                                    {"mark", InputKind::mark},
+                                                                    {"export", InputKind::export_bone}}};
 constexpr double kMostSwitches = 65535.0;
 
 bool has_name(InputKind kind) noexcept {
@@ -32,7 +33,7 @@ const char* name_of(InputKind kind) noexcept {
 
 bool parks(InputKind kind) noexcept {
   return kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::checkpoint ||
-         kind == InputKind::restore || kind == InputKind::pause;
+         kind == InputKind::restore || kind == InputKind::pause || kind == InputKind::export_bone;
 }
 
 Result<Input> input_from(const SessionInput& recorded) {
@@ -69,6 +70,8 @@ std::optional<std::vector<Input>> read_inputs(const TomlDocument& document, int 
       input.value = static_cast<double>(
           table.integer("value", std::nullopt, 0, static_cast<std::int64_t>(kMostSwitches), "bits of pedals and buttons"));
     if (has_name(input.kind)) input.text = table.text("name", std::nullopt, "name of the tool or checkpoint, or text of the remark");
+    if (input.kind == InputKind::export_bone)
+      input.text = table.choice("format", "stl", {"stl", "ply", "obj", "nrrd", "nii", "nii.gz", "vdb"}, "of the file, by its ending");
     table.finish();
     if (!out.empty() && input.tick < out.back().tick) table.fault("time_s", "is earlier than that of the previous input");
     out.push_back(std::move(input));

@@ -21,7 +21,8 @@ enum class InputKind : std::uint8_t {
   checkpoint,  ///< text: name under which the bone is stored
   restore,     ///< text: name of the checkpoint to restore
   pause,       ///< stops all clocks until a user resumes; without a user they start again at once
-  mark         ///< text: a remark
+  mark,        ///< text: a remark
+  export_bone  ///< text: format of a file of the bone as it is, by its ending
 };
 [[nodiscard]] const char* name_of(InputKind kind) noexcept;
 /// @returns whether all clocks are stopped while it is applied.
@@ -33,6 +34,9 @@ struct Input {
   double value = 0.0;  ///< [-] meaning as InputKind states
   std::string text, data;
 };
+
+/// @returns whether it leaves bone, tool and drive alone, so that it is also applied while the run is paused.
+[[nodiscard]] constexpr bool only_looks(InputKind kind) noexcept { return kind == InputKind::export_bone; }
 
 /// @returns a recorded input. bad_input: an unknown kind, or a value out of range.
 [[nodiscard]] Result<Input> input_from(const SessionInput& recorded);

@@ -1,6 +1,6 @@
 /// app/run/live_user.h: a person at a live run, behind a window; or a test in a person's place.
 ///   Frame  world.   Units  SI.   Errors  none.
-///   Thread  every function is called by the thread of run_live(), except that the servo reads `goals`.
+///   Thread  functions are called by the thread of run_live(), except hear(); the servo reads `goals`.
 #pragma once
 
 #include <cstdint>
@@ -55,14 +55,15 @@ class LiveUser {
   [[nodiscard]] virtual std::optional<Input> next_input() = 0;
   /// Receives the state about every 5 ms.
   virtual void see(const LiveState& state) = 0;
-  /// Receives what became of an input, one line.
-  virtual void hear(const std::string& line) = 0;
+  /// Receives what became of an input, one line. Any thread. @param warning whether it was not done.
+  virtual void hear(const std::string& line, bool warning) = 0;
   /// @returns whether the person has taken a script's hand over.
   [[nodiscard]] virtual bool took_over() { return false; }
   /// Called when the clocks have stopped for good; pictures and report follow.
   virtual void ended() {}
-  /// Called when an input `pause` has stopped all clocks. @returns when the run is to go on or to end.
-  virtual void wait_until_resumed() = 0;
+  /// Called when an input `pause` has stopped all clocks. @returns an input to apply while they stand (only_looks()); nothing when the run is
+  /// to go on or to end.
+  [[nodiscard]] virtual std::optional<Input> wait_until_resumed() = 0;
 };
 
 }  // namespace burrhole

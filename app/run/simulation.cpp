@@ -134,7 +134,7 @@ Status Simulation::apply(const Input& input) {
   const double time = static_cast<double>(input.tick) * parts_->period;
   const auto refused = [&](const std::string& why) {
     if (options_.user != nullptr)
-      options_.user->hear(why);
+      options_.user->hear(why, true);
     else if (options_.warn)
       options_.warn(why);
     return log_->record_event(time, "refused", why);
@@ -170,10 +170,24 @@ Status Simulation::apply(const Input& input) {
       if (Status done = parts_->restore(input.text); !done) return refused(done.error().message);
       return log_->record_event(time, "restored", input.text);
     case InputKind::pause:
-      if (options_.user != nullptr) options_.user->wait_until_resumed();
-      return {};
+      return pause(input.tick);
     case InputKind::mark:
       return log_->record_event(time, "mark", input.text);
+    case InputKind::export_bone: {
+      parts_->voxmap->write_back();
+      if (!options_.export_bone) return {};
+      const auto file = options_.export_bone(*parts_->voxmap, time, input.text);
+      return file ? log_->record_event(time, "export", *file) : refused(file.error().message);
+    }
+  }
+  return {};
+}
+
+Status Simulation::pause(std::uint64_t tick) {
+  if (options_.user == nullptr) return {};
+  while (std::optional<Input> input = options_.user->wait_until_resumed()) {
+    input->tick = tick;
+    if (Status applied = record_and_apply(*input); !applied) return applied;
   }
   return {};
 }
@@ -181,6 +195,10 @@ Status Simulation::apply(const Input& input) {
 Status Simulation::apply_next(std::uint64_t tick) {
   Input input = options_.inputs[next_input_++];
   input.tick = tick;
+  return record_and_apply(input);
+}
+
+Status Simulation::record_and_apply(const Input& input) {
   if (SessionWriter* session = log_->session()) {
     SessionInput row = to_record(input);
     if (parks(input.kind)) row.rows_before = session->rows();

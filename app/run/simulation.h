@@ -48,6 +48,9 @@ struct SimulationOptions {
   bool runs = true;      ///< false: built for a check or a picture, at less time and memory; run() refuses
   bool history = false;  ///< keeps what undo, reset and checkpoints need
   bool samples = true;   ///< keeps force and depth of every contact evaluation, for plots
+  /// Begins a file of the bone as it is, for an input `export`. All clocks stand, and the bone was written back. @param time [s]
+  /// @param format ending of the file. @returns its name. Empty: no file is written.
+  std::function<Result<std::string>(const Voxmap& bone, double time, const std::string& format)> export_bone{};
   double untimed = 0.0;  ///< [s] at the start of a live run that its timers leave out
 };
 
@@ -142,10 +145,14 @@ class Simulation {
   [[nodiscard]] bool input_is_due(std::uint64_t tick) const noexcept;
   /// Records the next input as of `tick` and applies it.
   [[nodiscard]] Status apply_next(std::uint64_t tick);
+  /// Records an input as of its tick and applies it.
+  [[nodiscard]] Status record_and_apply(const Input& input);
   /// LiveOptions::inputs.
   [[nodiscard]] LiveInput live_input(std::uint64_t tick, bool parked, Status& status);
   /// Applies one input without recording it. An input that is not possible (nothing to undo, no such checkpoint) is a warning and an event.
   [[nodiscard]] Status apply(const Input& input);
+  /// Applies what a person asks for during a pause, until the run is to go on.
+  [[nodiscard]] Status pause(std::uint64_t tick);
 
   std::unique_ptr<Stage> parts_;
   SimulationOptions options_;

@@ -97,6 +97,8 @@ class Controls {
   /// @returns whether the run will store it.
   bool checkpoint(const std::string& name) { return ask(InputKind::checkpoint, name); }
   void restore(const std::string& name) { (void)ask(InputKind::restore, name); }
+  /// A file of the bone as it is, for a printer or another program; also during a pause, a demonstration and in a watched session.
+  void export_bone() { (void)ask(InputKind::export_bone, "stl"); }
   void toggle_pause();
   void toggle_cut() noexcept;
   /// Takes a demonstration over, from where the hand is.
@@ -112,6 +114,9 @@ class Controls {
   [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
   /// @returns the next input for the run.
   [[nodiscard]] std::optional<Input> take_input();
+  [[nodiscard]] bool has_input() const noexcept { return !inputs_.empty(); }
+  /// @returns the next input if it only looks (only_looks()); for a paused run.
+  [[nodiscard]] std::optional<Input> take_look();
 
  private:
   void press(Key key);

@@ -242,8 +242,11 @@ void Panel::buttons(const WindowView& view) {
     if (checkpoints_ > 0)
       button(fmt::format("Restore {}", checkpoints_).c_str(),
              [this](Controls& p) { p.restore(fmt::format("checkpoint {}", checkpoints_)); });
-    if (checkpoints_ > 0) ImGui::SameLine();
-    button("Screenshot", [](Controls& p) { p.requests().screenshot = true; });
+  }
+  if (view.requests.lab) {
+    button("Screenshot (F12)", [](Controls& p) { p.requests().screenshot = true; });
+    ImGui::SameLine();
+    button("Export STL (F9)", [](Controls& p) { p.export_bone(); });
   }
   button("Keys (F1)", [](Controls& p) { p.requests().help = !p.requests().help; });
   ImGui::SameLine();

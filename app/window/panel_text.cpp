@@ -146,7 +146,7 @@ std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves) 
       {"P", "pause"},
       {"T", "take a demonstration over"},
       {"F2", "panel for trainees or for the lab"},
-      {"F11, F12", "full screen; screenshot"},
+      {"F9, F11, F12", "bone as a file (STL); full screen; screenshot"},
       {"Ctrl and +, -, 0", "letters larger, smaller, as at the start"},
       {"H, F1", "hints; these keys"},
       {"Esc", "end the run"},
@@ -160,7 +160,7 @@ std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves) 
 }
 
 std::span<const std::pair<const char*, const char*>> watching_keys() {
-  static constexpr std::array<std::pair<const char*, const char*>, 13> kKeys{{
+  static constexpr std::array<std::pair<const char*, const char*>, 14> kKeys{{
       {"Space, P", "run; pause"},
       {"left, right", "a second back, ahead"},
       {"Shift+left, right", "pause, and 10 ms back, ahead"},
@@ -172,6 +172,7 @@ std::span<const std::pair<const char*, const char*>> watching_keys() {
       {"F, V", "show the hole as at the start; orbit, surgeon, microscope"},
       {"K, L", "cut the bone open; slices through the tip"},
       {"F2, F11, F12", "all figures; full screen; screenshot"},
+      {"F9", "bone at this moment as a file (STL)"},
       {"Ctrl and +, -, 0", "letters larger, smaller, as at the start"},
       {"F1, Esc", "these keys; close"},
   }};

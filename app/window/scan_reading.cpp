@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "app/scene/volume_scene.h"
-#include "app/window/start_thread.h"
+#include "core/base/start_thread.h"
 
 namespace burrhole {
 namespace {

@@ -5,13 +5,14 @@
 #include <chrono>
 #include <thread>
 
+#include "app/job/bone_exports.h"
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
 #include "app/stage/drill_clutch.h"
 #include "app/stage/zone_state.h"
-#include "app/window/start_thread.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
+#include "core/base/start_thread.h"
 
 namespace burrhole {
 namespace {
@@ -24,7 +25,13 @@ class Replayer {
  public:
   Replayer(const SessionReader& session, const LoadedScene& loaded, const SessionView& view, WindowState& state, Viewer& viewer,
            RunSwitches& switches)
-      : session_(&session), loaded_(&loaded), view_(&view), state_(&state), viewer_(&viewer), switches_(&switches) {}
+      : session_(&session),
+        loaded_(&loaded),
+        view_(&view),
+        state_(&state),
+        viewer_(&viewer),
+        switches_(&switches),
+        exports_({view.viewer.folder, loaded.bone, [&state](const std::string& line, bool failed) { state.say(line, failed); }}) {}
 
   [[nodiscard]] const SessionViewed& viewed() const noexcept { return viewed_; }
   /// Replays until the window is to go.
@@ -89,10 +96,20 @@ class Replayer {
       }
       const bool waits = head->has_arrived() || time >= head->duration();
       const bool is_due = waits ? shown_ != time : Steady::now() - shown_at_ >= kFrame;
+      if (!head->seeks()) export_asked(time);
       if (!head->seeks() && is_due)
         if (Status shown = show(time); !shown) return shown;
       if (!waits) return {};
       state_->wait_for_head();
+    }
+  }
+
+  /// Writes the bone at `time` as often as the person has asked for it.
+  void export_asked(double time) {
+    while (const auto input = state_->next_input()) {
+      simulation_->voxmap().write_back();
+      const auto file = exports_.begin(simulation_->voxmap(), time, input->text);
+      if (!file) state_->say(file.error().message, true);
     }
   }
 
@@ -157,6 +174,7 @@ class Replayer {
   Simulation* simulation_ = nullptr;  // of the present replay()
   std::atomic<bool> stop_{false};
   bool started_ = false, ended_ = false, compared_ = false;
+  BoneExports exports_;
   SessionViewed viewed_;
   std::optional<double> shown_;  // [s]
   Steady::time_point shown_at_{};

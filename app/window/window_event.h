@@ -44,6 +44,7 @@ enum class Key : int {
   f1 = 290,
   f2 = 291,
   f3 = 292,
+  f9 = 298,
   f11 = 300,
   f12 = 301,
   pad_minus = 333,

@@ -63,9 +63,11 @@ bool WindowState::took_over() {
   return controls_ && controls_->goal().takes_over;
 }
 
-void WindowState::wait_until_resumed() {
+std::optional<Input> WindowState::wait_until_resumed() {
   std::unique_lock lock(mutex_);
-  resumed_.wait(lock, [this] { return ending_ || closed() || !controls_ || !controls_->paused(); });
+  const auto goes_on = [this] { return ending_ || closed() || !controls_ || !controls_->paused(); };
+  resumed_.wait(lock, [&] { return goes_on() || controls_->has_input(); });
+  return goes_on() ? std::nullopt : controls_->take_look();
 }
 
 std::optional<Transport> WindowState::watch(double time) {

@@ -78,8 +78,8 @@ class WindowState final : public LiveUser {
   GoalMailbox& goals() noexcept override { return goals_; }
   std::optional<Input> next_input() override;
   void see(const LiveState& state) override;
-  void hear(const std::string& line) override { say(line, true); }
-  void wait_until_resumed() override;
+  void hear(const std::string& line, bool warning) override { say(line, warning); }
+  std::optional<Input> wait_until_resumed() override;
   void ended() override;
   bool took_over() override;
 

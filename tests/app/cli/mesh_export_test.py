@@ -1,4 +1,4 @@
-"""The mesh that `burrhole render --export` writes, read by VTK: it is closed and has the volume of the bone, as loaded and drilled.
+"""The mesh that `burrhole render --export` and an input `export` write, read by VTK: it is closed and has the volume of the bone, as loaded and drilled.
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM, by an interpreter that has python3-vtk9; exit 77 (skipped) without it. Needs no drawing.
 """
@@ -121,6 +121,25 @@ class MeshExportTest(unittest.TestCase):
         removed = loaded.volume - drilled.volume
         self.assertGreater(removed, 1.0)  # mm^3: a pin of 2 mm takes 3.1 per mm of depth
         self.assertLess(removed, 3.5 * BLOCK_MM[2])
+
+    def test_inputs_write_the_bone_of_moments_of_a_run_closed(self):
+        inputs = self.folder / "inputs.toml"
+        moments = (0.1, 1.5, 2.9)  # above the bone, in it, at the end
+        inputs.write_text("".join(f'[[input]]\ntime_s = {t}\nkind = "export"\nformat = "ply"\n' for t in moments), encoding="utf-8")
+        for options in ([], ["--live"]):
+            with self.subTest(options=options):
+                out = self.folder / "exported"
+                done = run("drill", self.scene, "--offscreen", "--no-pictures", "--inputs", inputs, "--out", out, "--force", *options)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                names = sorted(path.name for path in out.glob("bone_at_*"))
+                self.assertEqual(len(names), len(moments))
+                if not options:  # a live run may miss the tick
+                    self.assertEqual(names, [f"bone_at_{t:.3f}s.ply" for t in moments])
+                meshes = [Read(out / name) for name in names]
+                self.assertEqual([mesh.edges("BoundaryEdges") for mesh in meshes], [0, 0, 0])
+                self.assertAlmostEqual(meshes[0].volume, self.export("whole.stl").volume, delta=1e-3)
+                self.assertGreater(meshes[0].volume, meshes[1].volume + 0.5)
+                self.assertGreater(meshes[1].volume, meshes[2].volume + 0.5)
 
     def test_an_open_mesh_is_found_open(self):
         path = self.folder / "open.stl"

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <thread>
@@ -71,16 +72,19 @@ class ScriptedUser final : public LiveUser {
     }
     goals_.publish(goal_);
   }
-  void hear(const std::string& line) override { heard_.push_back(line); }
-  void wait_until_resumed() override {
+  void hear(const std::string& line, bool) override { heard_.push_back(line); }
+  std::optional<Input> wait_until_resumed() override {
+    if (asked_in_pause_) return std::exchange(asked_in_pause_, std::nullopt);
     ++pauses_;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return std::nullopt;
   }
 
   GoalMailbox goals_;
   UserGoal goal_{.place = {0.0, 0.0, 0.5e-3}};
   double push_, deep_, time_ = 0.0, most_thrust_ = 0.0;
   std::deque<Input> script_;
+  std::optional<Input> asked_in_pause_;
   const CountingSink* sink_ = nullptr;
   std::size_t texels_seen_ = 0;
   bool arrived_ = false;
@@ -144,6 +148,39 @@ TEST_CASE("a user drills, pauses, changes the tool, undoes and ends; a replay of
   CHECK(run.simulation().stage().history() != nullptr);
   CHECK(recorded.voxels != DrillRun(user_scene(), options).voxel_hash());
   CHECK(replay(path) == recorded);
+}
+
+TEST_CASE("a user exports the bone during a pause: the clocks stand, and the session replays to the same bits") {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "session.sqlite").string();
+  ScriptedUser user(20.0, 0.4e-3, {plain(InputKind::pause), plain(InputKind::export_bone, "ply")});
+  user.asked_in_pause_ = plain(InputKind::export_bone, "stl");
+  struct Exported {
+    double time;
+    std::string format;
+    std::uint64_t removed;
+  };
+  std::vector<Exported> exported;
+  SimulationOptions options;
+  options.live = true;
+  options.user = &user;
+  options.history = true;
+  options.export_bone = [&](const Voxmap& bone, double time, const std::string& format) -> Result<std::string> {
+    exported.push_back({time, format, bone.blocks().size()});
+    return std::string("a.") + format;
+  };
+  DrillRun run(user_scene(), options);
+  run_recorded(run, path);
+  REQUIRE(exported.size() == 2);
+  CHECK(exported.front().format == "stl");
+  CHECK(exported.back().format == "ply");
+  CHECK(exported.front().removed > 0);
+  CHECK(exported.front().time <= exported.back().time);
+  CHECK(user.heard_.empty());
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  CHECK(std::ranges::count(session->events(), std::string("export"), &SessionEvent::kind) == 2);
+  CHECK(replay(path) == outcome_of(run));
 }
 
 TEST_CASE("texels of a user's display are those of the present bone, without a picture that asks for them") {

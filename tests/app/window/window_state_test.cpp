@@ -63,8 +63,8 @@ WindowEvent any_event(Random& random) {
     case 4:
       return {.kind = WindowEvent::Kind::character, .code = pick(70000)};
     default: {
-      constexpr int kKeys[] = {32, 32, 32, 87, 87, 87, 83, 65, 68, 81, 69, 262, 263, 264, 265, 340, 341, 80,
-                               80, 90, 86, 70, 82, 88, 49, 50, 51, 57, 61, 45,  290, 291, 268, 72,  301, 999};
+      constexpr int kKeys[] = {32, 32, 32, 87, 87, 87, 83, 65, 68, 81, 69, 262, 263, 264, 265, 340, 341, 80, 80,
+                               90, 86, 70, 82, 88, 49, 50, 51, 57, 61, 45, 290, 291, 268, 72,  301, 298, 999};
       return {
           .kind = WindowEvent::Kind::key, .code = kKeys[static_cast<std::size_t>(pick(std::size(kKeys)))], .down = random.uniform() < 0.6};
     }

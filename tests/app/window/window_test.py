@@ -30,8 +30,8 @@ class Window(WindowTest):
         self.hold("s", 1.5)
         self.press("x", "2")  # another tool, out of the bone
         time.sleep(1.0)
-        self.press("F2")
-        time.sleep(0.5)
+        self.press("F2", "F9")
+        time.sleep(1.0)
         after = self.picture()
         self.assertNotEqual(before.read_bytes(), after.read_bytes())
         summary = self.end()
@@ -39,6 +39,9 @@ class Window(WindowTest):
         self.assertIsNotNone(summary["drilling"]["breakthrough_s"], summary)
         self.assertGreater(summary["drilling"]["removed_mm3"], 1.0)
         self.assertTrue((self.out / "after.png").exists())
+        (surface,) = self.out.glob("bone_at_*s.stl")
+        data = surface.read_bytes()
+        self.assertEqual(len(data), 84 + 50 * int.from_bytes(data[80:84], "little"))
         self.assertIn("pictures a second while the drill ran", self.log.read_text())
         self.assert_replays()
 
