@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "app/run/start_thread.h"
 #include "app/stage/result_files.h"
 #include "core/base/caught_error.h"
-#include "core/base/start_thread.h"
 #include "volumes/export_bone.h"
 
 namespace burrhole {

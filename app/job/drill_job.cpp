@@ -283,6 +283,15 @@ void add_warnings(const DrillJob& job, const std::vector<std::string>& found, Ru
   std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));
 }
 
+BoneExports::Config exports_of(const LoadedScene& loaded, const DrillJob& job) {
+  return {job.folder, loaded.bone, [&job](const std::string& line, bool failed) {
+            if (job.user != nullptr)
+              job.user->hear(line, failed);
+            else if (job.say && !failed)  // an error is the run's
+              job.say(line);
+          }};
+}
+
 /// @returns the line on a run that an error ended.
 std::string early_end(const Simulation& simulation, const Error& error) {
   return without_folders(fmt::format("an error ended the run at {:.3f} s: {}", simulation.time(), error.text()));
@@ -346,12 +355,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     sink = std::move(made).value();
     options.sink = sink.get();
   }
-  BoneExports exports({.folder = job.folder, .bone = loaded.bone, .say = [&job](const std::string& line, bool failed) {
-                         if (job.user != nullptr)
-                           job.user->hear(line, failed);
-                         else if (job.say && !failed)  // an error is the run's
-                           job.say(line);
-                       }});
+  BoneExports exports(exports_of(loaded, job));
   options.export_bone = [&](const Voxmap& bone, double time, const std::string& format) { return exports.begin(bone, time, format); };
   SoundOut sound(loaded.scene.find<SoundConfig>(), job.folder, job.make_speaker);
   options.sound = sound.sink();

@@ -36,7 +36,7 @@ struct Input {
 };
 
 /// @returns whether it leaves bone, tool and drive alone, so that it is also applied while the run is paused.
-[[nodiscard]] constexpr bool only_looks(InputKind kind) noexcept { return kind == InputKind::export_bone; }
+[[nodiscard]] constexpr bool is_query(InputKind kind) noexcept { return kind == InputKind::export_bone; }
 
 /// @returns a recorded input. bad_input: an unknown kind, or a value out of range.
 [[nodiscard]] Result<Input> input_from(const SessionInput& recorded);

@@ -61,7 +61,7 @@ class LiveUser {
   [[nodiscard]] virtual bool took_over() { return false; }
   /// Called when the clocks have stopped for good; pictures and report follow.
   virtual void ended() {}
-  /// Called when an input `pause` has stopped all clocks. @returns an input to apply while they stand (only_looks()); nothing when the run is
+  /// Called when an input `pause` has stopped all clocks. @returns an input to apply while they stand (is_query()); nothing when the run is
   /// to go on or to end.
   [[nodiscard]] virtual std::optional<Input> wait_until_resumed() = 0;
 };

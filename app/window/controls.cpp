@@ -331,12 +331,12 @@ void Controls::change_tool(std::size_t index) {
 }
 
 bool Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
-  const bool looks = only_looks(kind);
-  if (goal_.ends || !(is_own() || looks || kind == InputKind::pause)) return false;
+  const bool query = is_query(kind);
+  if (goal_.ends || !(is_own() || query || kind == InputKind::pause)) return false;
   // Bone that grows round a bit, and a larger bit in a hole, would press on each other with several times the thrust.
   const bool changes_bit_or_bone =
       kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::restore;
-  if (paused_ && !looks)
+  if (paused_ && !query)
     answer_ = "Paused: P goes on";
   else if (changes_bit_or_bone && in_bone_)
     answer_ = "Move the drill out of the bone first (S)";
@@ -380,7 +380,7 @@ void Controls::end() noexcept {
   paused_ = locked_on_ = requests_.asks_end = false;
 }
 
-std::optional<Input> Controls::take_look() { return !inputs_.empty() && only_looks(inputs_.front().kind) ? take_input() : std::nullopt; }
+std::optional<Input> Controls::take_query() { return !inputs_.empty() && is_query(inputs_.front().kind) ? take_input() : std::nullopt; }
 
 std::optional<Input> Controls::take_input() {
   if (inputs_.empty()) return std::nullopt;

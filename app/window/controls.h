@@ -115,8 +115,8 @@ class Controls {
   /// @returns the next input for the run.
   [[nodiscard]] std::optional<Input> take_input();
   [[nodiscard]] bool has_input() const noexcept { return !inputs_.empty(); }
-  /// @returns the next input if it only looks (only_looks()); for a paused run.
-  [[nodiscard]] std::optional<Input> take_look();
+  /// @returns the next input if it is a query (is_query()); for a paused run.
+  [[nodiscard]] std::optional<Input> take_query();
 
  private:
   void press(Key key);

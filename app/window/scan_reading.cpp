@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "app/run/start_thread.h"
 #include "app/scene/volume_scene.h"
-#include "core/base/start_thread.h"
 
 namespace burrhole {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "app/job/bone_exports.h"
 #include "app/job/provenance.h"
+#include "app/run/start_thread.h"
 #include "app/session/recorded_hand.h"
 #include "app/stage/drill_clutch.h"
 #include "app/stage/zone_state.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
-#include "core/base/start_thread.h"
 
 namespace burrhole {
 namespace {

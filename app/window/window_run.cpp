@@ -5,9 +5,9 @@
 #include <thread>
 
 #include "app/job/provenance.h"
+#include "app/run/start_thread.h"
 #include "app/window/window_loop.h"
 #include "core/base/caught_error.h"
-#include "core/base/start_thread.h"
 
 namespace burrhole {
 namespace {

@@ -67,7 +67,7 @@ std::optional<Input> WindowState::wait_until_resumed() {
   std::unique_lock lock(mutex_);
   const auto goes_on = [this] { return ending_ || closed() || !controls_ || !controls_->paused(); };
   resumed_.wait(lock, [&] { return goes_on() || controls_->has_input(); });
-  return goes_on() ? std::nullopt : controls_->take_look();
+  return goes_on() ? std::nullopt : controls_->take_query();
 }
 
 std::optional<Transport> WindowState::watch(double time) {

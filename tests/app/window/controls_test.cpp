@@ -234,32 +234,31 @@ TEST_CASE("controls: inputs of the run come in order, none in a pause and none a
   CHECK_FALSE(rig.controls.goal().spins);
 }
 
-TEST_CASE(
-    "controls: the bone can be exported in bone, in a pause, in a demonstration and in a watched session; a pause gives out nothing else") {
+TEST_CASE("controls: the bone can be exported in bone, in a pause, in a demonstration and in a watched session; nothing else in a pause") {
   Rig rig;
   rig.live.progress.depth = 1e-3;
   rig.run(kStep);
   rig.press(Key::f9);
   CHECK(rig.controls.take_answer().empty());
-  const auto asked = rig.controls.take_look();
+  const auto asked = rig.controls.take_query();
   REQUIRE(asked);
   CHECK(asked->kind == InputKind::export_bone);
   CHECK(asked->text == "stl");
   CHECK_FALSE(rig.controls.has_input());
   rig.press(Key::p);
-  CHECK_FALSE(rig.controls.take_look().has_value());  // the pause itself is for the run
+  CHECK_FALSE(rig.controls.take_query().has_value());  // the pause itself is for the run
   CHECK(rig.controls.take_input()->kind == InputKind::pause);
   rig.press(Key::z);
   CHECK_FALSE(rig.controls.take_answer().empty());
   rig.press(Key::f9);
   CHECK(rig.controls.take_answer().empty());
-  CHECK(rig.controls.take_look()->kind == InputKind::export_bone);
+  CHECK(rig.controls.take_query()->kind == InputKind::export_bone);
 
   ControlsSetup setup = Rig::setup();
   setup.demonstration = true;
   Rig shown(setup);
   shown.press(Key::f9);
-  CHECK(shown.controls.take_look().has_value());
+  CHECK(shown.controls.take_query().has_value());
   setup.demonstration = false;
   setup.transport = Transport(3.0, 1e-3);
   Rig watched(setup);

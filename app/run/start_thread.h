@@ -1,4 +1,4 @@
-/// core/base/start_thread.h: a thread, or the reason why the system refuses it.
+/// app/run/start_thread.h: a thread, or the reason why the system refuses it.
 ///   Errors  unavailable: as caught_error(); nothing of the thread has run then.   Thread  any.
 #pragma once
 
