@@ -274,12 +274,17 @@ class Window(WindowTest):
 
     def test_a_jump_back_over_inputs_shows_what_was_there_before(self):
         inputs = self.folder / "inputs.toml"
-        rows = [(0.8, "spin", "value = 0.0"), (1.0, "undo", ""), (1.1, "tool", 'name = "round_burr_4mm"'), (1.2, "spin", "value = 1.0")]
+        rows = [(0.69, "export", ""), (0.8, "spin", "value = 0.0"), (1.0, "undo", ""), (1.1, "tool", 'name = "round_burr_4mm"'), (1.2, "spin", "value = 1.0")]
         inputs.write_text("".join(f'[[input]]\ntime_s = {at}\nkind = "{kind}"\n{key}\n' for at, kind, key in rows))
         drilled = run("drill", QUICK, "--offscreen", "--inputs", inputs, "--out", self.out)
         self.assertEqual(drilled.returncode, 0, drilled.stderr)
         self.watch()
         self.press("space", "Home", *["shift+Right"] * 70)  # 0.7 s: bone is cut, before the undo
+        self.press("F9")
+        exported = self.out / "bone_at_0.700s.stl"
+        self.wait_until(exported.exists, "the bone of that moment")
+        # A replay cuts bone when a step needs it: the step of bone that ends at 0.7 s is still to come.
+        self.assertEqual(exported.read_bytes(), (self.out / "bone_at_0.690s.stl").read_bytes())
         before = self.quiet_picture()
         self.press("Right")  # over undo and change of the tool
         between = self.quiet_picture()
