@@ -29,13 +29,15 @@ def small_scan(folder, n):
 def cases(folder):
     """Each case has three runs, numbered `who`, of which no two write equal files."""
     scans = [small_scan(folder, n) for n in (24, 28, 32)]
+    inputs = pathlib.Path(folder) / "inputs.toml"
+    inputs.write_text('[[input]]\ntime_s = 0.55\nkind = "export"\n')
 
     def drill(out, who, *more):
         mine = (f'title="Run {who}"', f"hand.seed={who + 1}", f"volume.extent_mm=[8, 8, {3 + 0.4 * who}]", f"display.size=[{160 + 16 * who}, 120]", "duration_s=0.6")
         return ["drill", SCENE, "--offscreen", "--force", "--quiet", *(word for key in mine for word in ("--set", key)), *more, "--out", out]
 
     return [
-        Case("drill", drill, cleared=True, draws=True),
+        Case("drill", lambda out, who: drill(out, who, "--inputs", inputs), cleared=True, draws=True),
         Case("drill --live", lambda out, who: drill(out, who, "--live"), cleared=True, draws=True),
         Case("drill without pictures", lambda out, who: drill(out, who, "--live", "--no-pictures"), cleared=True),
         Case("import", lambda out, who: ["import", scans[who], "--volume", out / "bone.vdb", "--force"]),
