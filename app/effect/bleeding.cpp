@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "app/effect/gravity_key.h"
 #include "app/effect/registry.h"
 #include "app/stage/bleeding_state.h"
 #include "app/stage/coolant.h"
+#include "app/stage/instruments.h"
 #include "app/stage/stage.h"
 #include "app/view/blood_mesh.h"
 #include "core/base/units.h"
@@ -33,14 +35,15 @@ constexpr double kSeenLevel = 1e-5, kSeenShare = 0.02;  // [m], [-] changes that
 
 constexpr std::uint64_t kPictureBytes = sizeof(float) + sizeof(std::uint16_t) + 1;  // of a voxel in BloodPicture
 
-enum class Wax { none, after, drilled };
+enum class Wax { none, after, drilled, by_switch };
 
 struct BleedingScene {
   BloodConfig blood{};
   double solid = 0.6;  ///< [-] hardness from which bone has no open pores (an assumption)
   Wax wax = Wax::none;
-  double wax_time = 5.0;       ///< [s] (an assumption)
-  double wax_depth = 5e-4;     ///< [m] (an assumption)
+  double wax_time = 5.0;    ///< [s] (an assumption)
+  double wax_depth = 5e-4;  ///< [m] (an assumption)
+  bool sucks_by_switch = false;
   double hide = 3e-4;          ///< [m] (an assumption)
   double reach = 10e-3;        ///< [m]
   std::optional<Vec3> down{};  ///< [-] world frame
@@ -69,6 +72,7 @@ class BleedingEffect final : public Effect, public PictureSource {
     cut_ = step.now(slots::kCut);
     removal_ = step.now_if_written(slots::kRemoval);
     coolant_ = step.now_if_written(slots::kCoolant);
+    if (scene_.sucks_by_switch || scene_.wax == Wax::by_switch) hand_ = step.latest(slots::kHand);
     state_ = step.own(slots::kBleeding);
     step.column("blood_flow", "m3/s", &flow_);
     step.column("blood_bled", "m3", &bled_);
@@ -147,6 +151,7 @@ class BleedingEffect final : public Effect, public PictureSource {
   void run(const Tick& tick) noexcept {
     read_bone(voxmap_->take_dirty(listener_));
     wax(tick.dt);
+    if (scene_.sucks_by_switch) pool_.set_suction(is_on(kSuctionSwitch) ? scene_.blood.suction : 0.0);
     pool_.step(site_, saline(), tick.dt);
     time_ += tick.dt;
     const BloodVolumes& v = pool_.volumes();
@@ -161,10 +166,14 @@ class BleedingEffect final : public Effect, public PictureSource {
     hidden_ += hides ? tick.dt : 0.0;
     *state_ = {bleeds ? kBleedingStarted : site_.waxed_pores() > 0.0 ? kBleedingWaxed : kBleedingNone, hides ? 1.0 : 0.0};
   }
+  [[nodiscard]] bool is_on(InstrumentSwitch instrument) const noexcept { return (hand_->switches & instrument) != 0; }
   void wax(double dt) noexcept {
     if (scene_.wax == Wax::none) return;
     if (scene_.wax == Wax::after) {
       if (waxings_ > 0 || time_ < scene_.wax_time) return;
+    } else if (scene_.wax == Wax::by_switch) {
+      const bool had_wax = std::exchange(has_wax_, is_on(kWaxSwitch));
+      if (had_wax || !has_wax_) return;
     } else {
       idle_ = removal_->mass > 0.0 ? 0.0 : idle_ + dt;
       if (idle_ < scene_.wax_time || !(site_.open_pores() > 0.0)) return;
@@ -210,19 +219,22 @@ class BleedingEffect final : public Effect, public PictureSource {
   double peak_ = 0.0, highest_ = 0.0;     // [m^3/s], [m]
   double bleeding_ = 0.0, hidden_ = 0.0;  // [s]
   std::uint64_t waxings_ = 0;
+  bool has_wax_ = false;    // its switch was on in the last step
   BloodPicture picture_;    // the last copy
   bool bone_moved_ = true;  // or its wax, since that copy
   double seen_level_ = 0.0, seen_hidden_ = 0.0;
   const Cut* cut_ = nullptr;
   const BoneRemoval* removal_ = nullptr;
   const Coolant* coolant_ = nullptr;
+  const HandState* hand_ = nullptr;  // null: no instrument has a switch
   BleedingState* state_ = nullptr;
   const BleedingState* seen_ = nullptr;
 };
 
-constexpr std::pair<const char*, Wax> kWaxWords[] = {{"none", Wax::none}, {"after", Wax::after}, {"drilled", Wax::drilled}};
+constexpr std::pair<const char*, Wax> kWaxWords[] = {
+    {"none", Wax::none}, {"after", Wax::after}, {"drilled", Wax::drilled}, {"switch", Wax::by_switch}};
 
-class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
+class BleedingPlan final : public SwitchedPlan<BleedingPlan, BleedingScene> {
  public:
   explicit BleedingPlan(TableReader& table) {
     BleedingScene& c = config_;
@@ -239,6 +251,11 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
     read_wax(table);
     b.suction = table.number("suction_ml_per_min", at_least_zero(b.suction / kMillilitrePerMinute, kMillilitrePerMinute, 1e5),
                              "what a sucker takes from the hole; 0: there is none");
+    c.sucks_by_switch =
+        table.boolean("suction_by_switch", false, "true: it is on only while a person switches it on: U in the window, or an input");
+    if (c.sucks_by_switch && !(b.suction > 0.0)) table.fault("suction_by_switch", "needs suction_ml_per_min above 0");
+    if (c.sucks_by_switch) instruments_.switches |= kSuctionSwitch;
+    if (c.wax == Wax::by_switch) instruments_.switches |= kWaxSwitch;
     b.film_time = table.number("film_s", above_zero(b.film_time, 1.0, 1e4),
                                "time constant with which blood on the bone runs down into the hole (an assumption)");
     b.wash_time = table.number("wash_s", above_zero(b.wash_time, 1.0, 1e4),
@@ -310,14 +327,16 @@ class BleedingPlan final : public ConfigPlan<BleedingPlan, BleedingScene> {
     const std::string word =
         table.choice("wax", words.front(), words,
                      "wax on the opened pores: none; after: once, wax_s after the start; drilled: wax_s after bone was "
-                     "last removed");
+                     "last removed; switch: when a person applies it: M in the window, or an input");
     c.wax = std::ranges::find(kWaxWords, word, [](const auto& one) { return std::string(one.first); })->second;
+    if ((c.wax == Wax::none || c.wax == Wax::by_switch) && table.has("wax_s")) table.fault("wax_s", "needs wax = \"after\" or \"drilled\"");
     if (c.wax == Wax::none) {
-      for (const char* const key : {"wax_s", "wax_mm"})
-        if (table.has(key)) table.fault(key, "needs wax = \"after\" or \"drilled\"");
+      if (table.has("wax_mm")) table.fault("wax_mm", "needs wax other than \"none\"");
       return;
     }
-    c.wax_time = table.number("wax_s", at_least_zero(c.wax_time, 1.0, 1e6), "time at which wax is applied; only with wax (an assumption)");
+    if (c.wax != Wax::by_switch)
+      c.wax_time =
+          table.number("wax_s", at_least_zero(c.wax_time, 1.0, 1e6), "time at which wax is applied; only with wax (an assumption)");
     c.wax_depth = table.number("wax_mm", {.fallback = c.wax_depth / kMillimetre, .min = 0.0, .max = 2.0, .to_si = kMillimetre},
                                "depth to which wax fills the pores: drilling deeper opens new ones; only with wax (an assumption)");
   }
@@ -346,7 +365,7 @@ EffectEntry bleeding_effect() {
   return {"bleeding",
           "blood from opened diploe, its pool in the hole, wax and suction; without it bone does not bleed",
           read,
-          {"wax = \"after\"", "wax = \"drilled\""}};
+          {"wax = \"after\"", "wax = \"drilled\"", "wax = \"switch\""}};
 }
 
 }  // namespace burrhole

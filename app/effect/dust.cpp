@@ -10,6 +10,7 @@
 #include "app/effect/registry.h"
 #include "app/stage/coolant.h"
 #include "app/stage/drill_clutch.h"
+#include "app/stage/instruments.h"
 #include "app/stage/stage.h"
 #include "app/view/debris_mesh.h"
 #include "core/base/random.h"
@@ -29,6 +30,7 @@ struct SuctionConfig {
   double reach = 10e-3;                  ///< [m] (an assumption)
   double distance = 8e-3;                ///< [m] from the tip (an assumption)
   double from = 0.0;                     ///< [s] of the run
+  bool by_switch = false;                ///< only while its switch is on
 };
 
 struct DustScene {
@@ -72,6 +74,7 @@ class DustEffect final : public Effect {
     removal_ = step.now_if_written(slots::kRemoval);
     chips_ = step.now_if_written(slots::kChipLoad);
     coolant_ = step.now_if_written(slots::kCoolant);
+    if (scene_.suction && scene_.suction->by_switch) hand_ = step.latest(slots::kHand);
     step.column("dust_flying", "m^3", &flying_);
     step.column("dust_settled", "m^3", &settled_);
     step.column("dust_hidden", "", &hidden_);
@@ -103,6 +106,7 @@ class DustEffect final : public Effect {
     add("lost_mm3", t.lost);
     add("undone_mm3", t.undone);
     out.add("balance_error", field_.balance_error());
+    if (scene_.suction) out.add("suction_s", sucking_);
     out.add("hidden_share", hidden_);
     out.add("most_hidden_share", most_hidden_);
     out.add("particles", static_cast<std::uint64_t>(field_.particles().size()));
@@ -128,10 +132,16 @@ class DustEffect final : public Effect {
     DebrisStep now{.dt = tick.dt, .removed = removal_->mass, .thickness = chips_->thickness, .births = births};
     now.bit = {bone_from_tool.offset, glm::normalize(bone_from_tool.linear[2]), radius_, height_, *spin_};
     if (coolant_->flow > 0.0) now.rinse = {now.bit.tip, coolant_->reach, coolant_->flow};
-    if (scene_.suction && time_ >= scene_.suction->from)
+    if (sucks()) {
       now.suction = {nozzle(*scene_.suction, now.bit.tip), scene_.suction->reach, scene_.suction->flow};
+      sucking_ += tick.dt;
+    }
     field_.step(now);
     look();
+  }
+  [[nodiscard]] bool sucks() const noexcept {
+    if (!scene_.suction || time_ < scene_.suction->from) return false;
+    return hand_ == nullptr || (hand_->switches & kSuctionSwitch) != 0;
   }
   /// Takes over what changed in the bone. @returns places of what was removed, in proportion to it.
   std::span<const DebrisBirth> follow_bone(std::uint64_t number) {
@@ -209,13 +219,14 @@ class DustEffect final : public Effect {
   std::vector<float> density_;  // scratch of a layer
   std::optional<LossSampler> sampler_;
   double radius_ = 0.0, height_ = 0.0;  // [m] of the cutting part
-  double time_ = 0.0;                   // [s]
+  double time_ = 0.0, sucking_ = 0.0;   // [s]
   double flying_ = 0.0, settled_ = 0.0, hidden_ = 0.0, most_hidden_ = 0.0;
   const Cut* cut_ = nullptr;
   const double* spin_ = nullptr;  // [rev/s]
   const BoneRemoval* removal_ = nullptr;
   const ChipLoad* chips_ = nullptr;
   const Coolant* coolant_ = nullptr;
+  const HandState* hand_ = nullptr;  // null: the suction has no switch
 };
 
 SuctionConfig read_suction(TableReader table) {
@@ -226,11 +237,12 @@ SuctionConfig read_suction(TableReader table) {
   c.distance = table.number("distance_mm", at_least_zero(c.distance / kMillimetre, kMillimetre, 200.0),
                             "distance of the nozzle from the tip, beside and above it (an assumption)");
   c.from = table.number("from_s", at_least_zero(c.from), "time of the run at which it is switched on");
+  c.by_switch = table.boolean("by_switch", c.by_switch, "true: it is on only while a person switches it on: U in the window, or an input");
   table.finish();
   return c;
 }
 
-class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
+class DustPlan final : public SwitchedPlan<DustPlan, DustScene> {
  public:
   explicit DustPlan(TableReader& table) {
     DustScene& c = config_;
@@ -255,6 +267,7 @@ class DustPlan final : public ConfigPlan<DustPlan, DustScene> {
     c.down = read_down(table);
     f.seed = static_cast<std::uint64_t>(table.integer("seed", static_cast<std::int64_t>(f.seed), 0, 1'000'000'000, "seed of the scatter"));
     if (const auto suction = table.table("suction", "a suction nozzle near the tip; absent: none")) c.suction = read_suction(*suction);
+    if (c.suction && c.suction->by_switch) instruments_.switches = kSuctionSwitch;
   }
 
   void add_needs(const StageConfig&, Needs& needs) const override { needs.chip_load = true; }

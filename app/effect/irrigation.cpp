@@ -4,6 +4,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/coolant.h"
+#include "app/stage/instruments.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 
@@ -18,6 +19,7 @@ struct IrrigationConfig {
   double film = 2000.0;                       ///< [W/(m^2 K)] a film of flowing water (an assumption)
   double reach = 0.01;                        ///< [m] (an assumption)
   bool always = false;                        ///< it flows also while the drill stands
+  bool by_switch = false;                     ///< it flows only while its switch is on
 };
 
 class IrrigationEffect final : public Effect {
@@ -29,6 +31,7 @@ class IrrigationEffect final : public Effect {
         Clock::simulation, "irrigation", "irrigation",
         [](void* self, const Tick& tick) { static_cast<IrrigationEffect*>(self)->run(tick); }, this);
     asked_ = step.now(slots::kSpinAsked);
+    if (config_.by_switch) hand_ = step.latest(slots::kHand);
     coolant_ = step.own(slots::kCoolant);
     return {};
   }
@@ -39,7 +42,7 @@ class IrrigationEffect final : public Effect {
 
  private:
   void run(const Tick& tick) noexcept {
-    const bool flows = config_.always || *asked_ > 0.0;
+    const bool flows = hand_ != nullptr ? (hand_->switches & kIrrigationSwitch) != 0 : config_.always || *asked_ > 0.0;
     *coolant_ = {flows ? config_.flow : 0.0, config_.celsius, config_.film, config_.reach};
     if (!flows) return;
     on_ += tick.dt;
@@ -49,10 +52,11 @@ class IrrigationEffect final : public Effect {
   IrrigationConfig config_;
   double delivered_ = 0.0, on_ = 0.0;  // [m^3], [s]
   const double* asked_ = nullptr;      // [rev/s]
+  const HandState* hand_ = nullptr;    // null: it has no switch
   Coolant* coolant_ = nullptr;
 };
 
-class IrrigationPlan final : public ConfigPlan<IrrigationPlan, IrrigationConfig> {
+class IrrigationPlan final : public SwitchedPlan<IrrigationPlan, IrrigationConfig> {
  public:
   explicit IrrigationPlan(TableReader& table) {
     IrrigationConfig& c = config_;
@@ -62,6 +66,10 @@ class IrrigationPlan final : public ConfigPlan<IrrigationPlan, IrrigationConfig>
     c.reach = table.number("reach_mm", above_zero(c.reach * 1e3, 1e-3, 200.0),
                            "distance from the tip up to which the free surface of bone is wet");
     c.always = table.boolean("always", c.always, "true: it also flows while the drill does not turn");
+    c.by_switch =
+        table.boolean("by_switch", c.by_switch, "true: it flows only while a person switches it on: I in the window, or an input");
+    if (c.by_switch && c.always) table.fault("by_switch", "and always exclude each other");
+    if (c.by_switch) instruments_.switches = kIrrigationSwitch;
   }
 
   PlanRow row(const PlanContext& context) const override {

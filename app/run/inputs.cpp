@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "haptics/hand/hand_switches.h"
+
 namespace burrhole {
 namespace {
 
@@ -17,7 +19,6 @@ constexpr std::array<std::pair<const char*, InputKind>, 10> kKinds{{{"spin", Inp
                                                                     {"pause", InputKind::pause},
                                                                     {"mark", InputKind::mark},
                                                                     {"export", InputKind::export_bone}}};
-constexpr double kMostSwitches = 65535.0;
 
 bool has_name(InputKind kind) noexcept {
   return kind == InputKind::tool || kind == InputKind::checkpoint || kind == InputKind::restore || kind == InputKind::mark;
@@ -39,7 +40,7 @@ bool parks(InputKind kind) noexcept {
 Result<Input> input_from(const SessionInput& recorded) {
   for (const auto& [name, kind] : kKinds) {
     if (recorded.kind != name) continue;
-    const double most = kind == InputKind::spin ? 1.0 : kMostSwitches;
+    const double most = kind == InputKind::spin ? 1.0 : static_cast<double>(kAllSwitches);
     if (!(recorded.value >= 0.0 && recorded.value <= most) || recorded.tick < 0)
       return bad_input("the session holds an input \"" + recorded.kind + "\" out of its range");
     return Input{static_cast<std::uint64_t>(recorded.tick), kind, recorded.value, recorded.text, recorded.data};
@@ -68,7 +69,7 @@ std::optional<std::vector<Input>> read_inputs(const TomlDocument& document, int 
       input.value = table.number("value", {.min = 0.0, .max = 1.0}, "command of the drive: 0 off, 1 the scene's spin rate");
     if (input.kind == InputKind::switches)
       input.value = static_cast<double>(
-          table.integer("value", std::nullopt, 0, static_cast<std::int64_t>(kMostSwitches), "bits of pedals and buttons"));
+          table.integer("value", std::nullopt, 0, static_cast<std::int64_t>(kAllSwitches), "bits of pedals, buttons and instruments"));
     if (has_name(input.kind)) input.text = table.text("name", std::nullopt, "name of the tool or checkpoint, or text of the remark");
     if (input.kind == InputKind::export_bone)
       input.text = table.choice("format", "stl", {"stl", "ply", "obj", "nrrd", "nii", "nii.gz", "vdb"}, "of the file, by its ending");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "haptics/hand/hand_switches.h"
+
 namespace burrhole {
 namespace {
 
@@ -46,7 +48,7 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
       state.thrust = value(10);
       if (spin < width) state.spin = (*rows)[start + spin];
       const double bits = switches < width ? (*rows)[start + switches] : 0.0;
-      if (!(bits >= 0.0 && bits <= 65535.0)) return bad_input("the session holds unknown switches of the hand");
+      if (!(bits >= 0.0 && bits <= static_cast<double>(kAllSwitches))) return bad_input("the session holds unknown switches of the hand");
       state.switches = static_cast<std::uint32_t>(bits);
       if (!(state.spin >= 0.0 && state.spin <= 1.0)) return bad_input("the session holds a spin command that is not between 0 and 1");
       state.phase = static_cast<HandPhase>(static_cast<std::uint32_t>(phase));

@@ -173,7 +173,7 @@ Status Stage::place(const Pose& world_from_tool) {
 Status Stage::bind() {
   for (const MadeEffect& made : effects_)
     if (Status bound = made.effect->bind(graph); !bound) return bound;
-  hand_slot_ = graph.provide(Clock::servo, slots::kHand);
+  hand_slot_ = graph.is_read(slots::kHand.name) ? graph.provide(Clock::servo, slots::kHand) : nullptr;
   picture_slot_ = graph.provide(Clock::frame, slots::kPicture);
   picture_error_ = graph.provide(Clock::frame, slots::kPictureError);
   graph.reads(Clock::servo, slots::kAddedForce);
@@ -278,8 +278,8 @@ Status Stage::restore(const std::string& name) {
 
 const ServoOutput& Stage::act() noexcept {
   hand->bone_ahead(contact->bone_ahead());
-  if (graph.empty(Clock::servo)) return servo->act();
-  *hand_slot_ = servo->hand();
+  if (hand_slot_ == nullptr && graph.empty(Clock::servo)) return servo->act();
+  if (hand_slot_ != nullptr) *hand_slot_ = servo->hand();
   graph.receive(Clock::servo);
   graph.run_steps(Clock::servo, {servo_tick_++, period});
   // The contact state is taken before the message is sent. Otherwise a result that depends on this tick's message could reach this tick.

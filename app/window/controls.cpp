@@ -146,6 +146,12 @@ void Controls::press(Key key) {
       return take_over();
     case Key::g:
       return relax();
+    case Key::u:
+      return use_instrument(kSuctionSwitch);
+    case Key::i:
+      return use_instrument(kIrrigationSwitch);
+    case Key::m:
+      return use_instrument(kWaxSwitch);
     case Key::l:
       requests_.slices = !requests_.slices;
       return;
@@ -239,16 +245,36 @@ void Controls::move_by_keys(double dt) {
   goal_.tilt_away += tilt.y;
 }
 
-void Controls::move_bone_by_keys() {
-  if (!setup_.bone_moves) return;
+std::uint32_t Controls::bone_switches() const {
+  if (!has_bone() || !runs_ || paused_ || goal_.ends || setup_.transport) return 0;
   // In pairs, positive first: along the bone's axes x, y, z, then about them.
   constexpr Key kKeys[BoneSwitch::kDirections] = {Key::d,  Key::a,    Key::w,         Key::s,       Key::e,    Key::q,
                                                   Key::up, Key::down, Key::page_down, Key::page_up, Key::left, Key::right};
-  std::uint32_t wanted = 0;
-  if (has_bone() && runs_ && !paused_ && !goal_.ends && !setup_.transport)
-    for (int n = 0; n < BoneSwitch::kDirections; ++n)
-      if (held(kKeys[n])) wanted |= BoneSwitch::bit(n);
-  if (wanted == switches_) return;
+  std::uint32_t out = 0;
+  for (int n = 0; n < BoneSwitch::kDirections; ++n)
+    if (held(kKeys[n])) out |= BoneSwitch::bit(n);
+  return out;
+}
+
+void Controls::use_instrument(InstrumentSwitch instrument) {
+  if (setup_.transport || goal_.ends) return;
+  if ((setup_.instruments & instrument) == 0)
+    answer_ = instrument == kWaxSwitch ? "This scene has no wax by hand ([bleeding] wax = \"switch\")"
+              : instrument == kSuctionSwitch
+                  ? "This scene has no suction by hand (by_switch in [dust.suction], suction_by_switch in [bleeding])"
+                  : "This scene has no irrigation by hand ([irrigation] by_switch)";
+  else if (paused_)
+    answer_ = "Paused: P goes on";
+  else if (instrument == kWaxSwitch)
+    wax_left_ = config_.wax;
+  else
+    instruments_on_ ^= instrument;
+}
+
+void Controls::ask_switches(double dt) {
+  if (!paused_) wax_left_ = std::max(0.0, wax_left_ - dt);
+  const std::uint32_t wanted = bone_switches() | instruments_on_ | (wax_left_ > 0.0 ? kWaxSwitch : 0u);
+  if (wanted == switches_ || setup_.transport) return;
   switches_ = wanted;
   inputs_.push_back({0, InputKind::switches, static_cast<double>(wanted), {}, {}});
 }
@@ -314,7 +340,7 @@ void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   press_pad(pad);
   turn_by_keys(dt);
   if (setup_.transport) setup_.transport->advance(dt);
-  move_bone_by_keys();
+  ask_switches(dt);
   if (moves()) {
     if (!has_bone()) move_by_keys(dt);
     move_by_pad(dt, pad);
@@ -380,7 +406,17 @@ void Controls::end() noexcept {
   paused_ = locked_on_ = requests_.asks_end = false;
 }
 
-std::optional<Input> Controls::take_query() { return !inputs_.empty() && is_query(inputs_.front().kind) ? take_input() : std::nullopt; }
+bool Controls::has_query() const noexcept {
+  return std::ranges::any_of(inputs_, [](const Input& input) { return is_query(input.kind); });
+}
+
+std::optional<Input> Controls::take_query() {
+  const auto found = std::ranges::find_if(inputs_, [](const Input& input) { return is_query(input.kind); });
+  if (found == inputs_.end()) return std::nullopt;
+  Input out = std::move(*found);
+  inputs_.erase(found);
+  return out;
+}
 
 std::optional<Input> Controls::take_input() {
   if (inputs_.empty()) return std::nullopt;

@@ -17,6 +17,7 @@
 #include "app/window/transport.h"
 #include "app/window/view_cut.h"
 #include "app/window/window_event.h"
+#include "haptics/hand/hand_switches.h"
 
 namespace burrhole {
 
@@ -38,6 +39,7 @@ struct ControlsConfig {
   double jump_fine = 0.01;      ///< [s] with fine control
   double light = 3.0;           ///< [N] push of a hand that rests on bone
   double relax = 0.25;          ///< [s] time constant with which the push falls to what is held, once nothing presses
+  double wax = 0.3;             ///< [s] for which its switch is on: longer than a step of bone
   double pad_idle = 0.15;       ///< [-] share of a stick's way that moves nothing
 };
 
@@ -49,6 +51,7 @@ struct ControlsSetup {
   std::vector<ToolText> tools;           ///< the first ten have the keys 1 to 9 and 0
   bool demonstration = false;            ///< the scene's script drills until the person takes over
   bool bone_moves = false;               ///< the scene has [motion]: with Alt, keys move the bone
+  std::uint32_t instruments = 0;         ///< InstrumentSwitch that effects of the scene read
   double text_scale = 1.0;               ///< [-] of texts, of the desktop's own scale
   std::optional<Transport> transport{};  ///< of a watched session: keys and mouse move its head and the camera, and no goal
 };
@@ -99,6 +102,9 @@ class Controls {
   void restore(const std::string& name) { (void)ask(InputKind::restore, name); }
   /// A file of the bone as it is, for a printer or another program; also during a pause, a demonstration and in a watched session.
   void export_bone() { (void)ask(InputKind::export_bone, "stl"); }
+  /// Switches suction or irrigation on, or off if it is on; applies wax. The person is answered where the scene has no such instrument.
+  void use_instrument(InstrumentSwitch instrument);
+  [[nodiscard]] std::uint32_t instruments_on() const noexcept { return instruments_on_; }
   void toggle_pause();
   void toggle_cut() noexcept;
   /// Takes a demonstration over, from where the hand is.
@@ -114,8 +120,8 @@ class Controls {
   [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
   /// @returns the next input for the run.
   [[nodiscard]] std::optional<Input> take_input();
-  [[nodiscard]] bool has_input() const noexcept { return !inputs_.empty(); }
-  /// @returns the next input if it is a query (is_query()); for a paused run.
+  [[nodiscard]] bool has_query() const noexcept;
+  /// @returns the next query (is_query()), past other inputs; for a paused run.
   [[nodiscard]] std::optional<Input> take_query();
 
  private:
@@ -137,8 +143,9 @@ class Controls {
   void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);
   [[nodiscard]] bool has_bone() const { return setup_.bone_moves && (held(Key::left_alt) || held(Key::right_alt)); }
-  /// Asks for the switches that the held keys stand for, if they have changed.
-  void move_bone_by_keys();
+  /// Asks for the switches that the held keys and the instruments stand for, if they have changed.
+  void ask_switches(double dt);
+  [[nodiscard]] std::uint32_t bone_switches() const;
   void keep_in_reach();
   /// Without a key or trigger that presses, the goal in contact moves back until the push is that which is held.
   void relax_push(double dt);
@@ -165,7 +172,9 @@ class Controls {
   double thrust_ = 0.0;  // [N] as last seen
   PadState pad_before_;
   std::deque<Input> inputs_;
-  std::uint32_t switches_ = 0;  // BoneSwitch, as asked for last
+  std::uint32_t switches_ = 0;        // as asked for last
+  std::uint32_t instruments_on_ = 0;  // InstrumentSwitch
+  double wax_left_ = 0.0;             // [s]
 };
 
 }  // namespace burrhole

@@ -97,6 +97,7 @@ void Panel::side(const WindowView& view, const DisplayFigures& figures, int widt
     if (view.live.zone) zone(*view.live.zone);
     layers(view);
     drive(view);
+    instruments(view);
     if (view.requests.lab) lab(view, figures);
     buttons(view);
     tools(view);
@@ -200,6 +201,22 @@ void Panel::drive(const WindowView& view) {
   else
     text(view.locked_on ? "on until X is pressed again" : "hold Space to drill, X to keep it on");
   ImGui::PopFont();
+  ImGui::Separator();
+}
+
+void Panel::instruments(const WindowView& view) {
+  if (plan_.instruments == 0 || view.transport || view.stage != RunStage::drilling) return;
+  caption(*gui_, "ASSISTANT");
+  const float wide = ImGui::GetContentRegionAvail().x;
+  for (const auto& [instrument, label] : {std::pair{kSuctionSwitch, "Suction (U)"}, std::pair{kIrrigationSwitch, "Irrigation (I)"},
+                                          std::pair{kWaxSwitch, "Wax on the pores (M)"}}) {
+    if ((plan_.instruments & instrument) == 0) continue;
+    const bool on = (view.instruments_on & instrument) != 0;
+    if (on) ImGui::PushStyleColor(ImGuiCol_Button, color(gui_->colors().green, 0.5f));
+    if (ImGui::Button((std::string(label) + (on ? ": on" : "")).c_str(), ImVec2(wide, 0.0f)))
+      state_->with_controls([&](Controls& p) { p.use_instrument(instrument); });
+    if (on) ImGui::PopStyleColor();
+  }
   ImGui::Separator();
 }
 
@@ -405,7 +422,7 @@ void Panel::help(bool watches, int width, int height) {
   const bool is_low = static_cast<float>(height) < 30.0f * ImGui::GetFontSize();
   if (is_low) ImGui::PushFont(gui_->small());
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const auto& [key, meaning] : watches ? watching_keys() : key_table(plan_.bone_moves)) {
+    for (const auto& [key, meaning] : watches ? watching_keys() : key_table(plan_)) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextColored(color(gui_->colors().sky), "%s", key);

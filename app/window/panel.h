@@ -77,6 +77,7 @@ class Panel {
   void zone(const ZoneReading& zone);
   void layers(const WindowView& view);
   void drive(const WindowView& view);
+  void instruments(const WindowView& view);
   void tools(const WindowView& view);
   void buttons(const WindowView& view);
   void lab(const WindowView& view, const DisplayFigures& figures);

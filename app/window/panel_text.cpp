@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -126,8 +125,8 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
   return out;
 }
 
-std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves) {
-  static constexpr std::array<std::pair<const char*, const char*>, 26> kKeys{{
+std::vector<std::pair<const char*, const char*>> key_table(const WindowPlan& plan) {
+  std::vector<std::pair<const char*, const char*>> out{
       {"Space (hold), X", "drill on; X keeps it on"},
       {"W; S", "advance and press, and rest lightly when released; move back"},
       {"wheel; G", "advance and press, and hold that; relax"},
@@ -152,15 +151,17 @@ std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves) 
       {"Esc", "end the run"},
       {"pad: triggers", "left advances, right drills; right bumper moves back"},
       {"pad: sticks", "left moves, right leans; B undo, X straight, Y view, Start pause"},
-      {"Alt + D, A, W, S, E, Q", "move the bone along its axes x, y, z"},
-      {"Alt + arrows, page keys", "turn the bone"},
-  }};
-  constexpr std::size_t kOfBone = 2;
-  return std::span(kKeys).first(kKeys.size() - (bone_moves ? 0 : kOfBone));
+  };
+  if (plan.instruments != 0) out.emplace_back("U, I, M", "suction; irrigation; wax on the pores");
+  if (plan.bone_moves) {
+    out.emplace_back("Alt + D, A, W, S, E, Q", "move the bone along its axes x, y, z");
+    out.emplace_back("Alt + arrows, page keys", "turn the bone");
+  }
+  return out;
 }
 
-std::span<const std::pair<const char*, const char*>> watching_keys() {
-  static constexpr std::array<std::pair<const char*, const char*>, 14> kKeys{{
+std::vector<std::pair<const char*, const char*>> watching_keys() {
+  return {
       {"Space, P", "run; pause"},
       {"left, right", "a second back, ahead"},
       {"Shift+left, right", "pause, and 10 ms back, ahead"},
@@ -175,8 +176,7 @@ std::span<const std::pair<const char*, const char*>> watching_keys() {
       {"F9", "bone at this moment as a file (STL)"},
       {"Ctrl and +, -, 0", "letters larger, smaller, as at the start"},
       {"F1, Esc", "these keys; close"},
-  }};
-  return kKeys;
+  };
 }
 
 std::string tool_title(const std::string& name) {

@@ -40,10 +40,10 @@ namespace burrhole {
 [[nodiscard]] std::string zone_text(const ZoneReading& zone);
 /// What a person should heed now, one line each.
 [[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
-/// Keys and what they do. @param bone_moves the scene has [motion], whose keys come last.
-[[nodiscard]] std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves);
+/// Keys and what they do; last those of instruments and of a bone that moves, where the scene has them.
+[[nodiscard]] std::vector<std::pair<const char*, const char*>> key_table(const WindowPlan& plan);
 /// The same for a watched session.
-[[nodiscard]] std::span<const std::pair<const char*, const char*>> watching_keys();
+[[nodiscard]] std::vector<std::pair<const char*, const char*>> watching_keys();
 /// @returns a tool's name as a person reads it: "round_burr_4mm" is "round burr 4 mm".
 [[nodiscard]] std::string tool_title(const std::string& name);
 /// Name and value of the main figures of a run.

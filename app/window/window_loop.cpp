@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "app/stage/instruments.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -23,6 +24,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   const double thickness = stage.approach.thickness;
   ControlsSetup setup;
   setup.bone_moves = loaded.scene.effects.has("motion");
+  setup.instruments = instruments_of(loaded.scene.effects);
   if (loaded.scene.goal_hand) setup.hand = *loaded.scene.goal_hand;
   setup.world_from_approach = world_from_approach;
   setup.tools = start.tools;
@@ -42,6 +44,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.users_push = setup.hand.push;
   plan.demonstration = start.demonstration;
   plan.bone_moves = setup.bone_moves;
+  plan.instruments = setup.instruments;
   plan.one_eye = display.stereo.mode == StereoMode::off && !display.stereo.workbench;
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),

@@ -66,7 +66,7 @@ bool WindowState::took_over() {
 std::optional<Input> WindowState::wait_until_resumed() {
   std::unique_lock lock(mutex_);
   const auto goes_on = [this] { return ending_ || closed() || !controls_ || !controls_->paused(); };
-  resumed_.wait(lock, [&] { return goes_on() || controls_->has_input(); });
+  resumed_.wait(lock, [&] { return goes_on() || controls_->has_query(); });
   return goes_on() ? std::nullopt : controls_->take_query();
 }
 
@@ -162,6 +162,7 @@ WindowView WindowState::view() {
   out.fine = controls_->fine();
   out.locked_on = controls_->locked_on();
   out.held_push = controls_->held_push();
+  out.instruments_on = controls_->instruments_on();
   out.requests = controls_->requests();
   if (const Transport* const transport = controls_->transport()) out.transport = *transport;
   return out;

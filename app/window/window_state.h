@@ -46,6 +46,7 @@ struct WindowPlan {
   bool one_eye = true;               ///< the picture is that of the camera: no stereo, no workbench
   bool demonstration = false;        ///< the scene's script drills
   bool bone_moves = false;           ///< the scene has [motion]: depth, layers and bone left along the planned axis have no meaning
+  std::uint32_t instruments = 0;     ///< InstrumentSwitch that the scene's effects read
   std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
 };
 
@@ -59,7 +60,8 @@ struct WindowView {
   UserGoal goal;
   DisplayRequests requests;
   bool paused = false, fine = false, locked_on = false, pad = false;
-  double held_push = 0.0;  ///< [N] that stays when nothing presses; 0: the hand rests lightly
+  std::uint32_t instruments_on = 0;  ///< InstrumentSwitch
+  double held_push = 0.0;            ///< [N] that stays when nothing presses; 0: the hand rests lightly
   std::string tool;
   double turned = 0.0;  ///< [rev] of the spindle, for the picture of the bit
   double time = 0.0;    ///< [s] of state time

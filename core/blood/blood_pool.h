@@ -43,6 +43,8 @@ class BloodPool {
 
   /// @param saline [m^3/s] that flows into the hole. Lets the sources of `site` coagulate.
   void step(BloodSite& site, double saline, double dt) noexcept;
+  /// @param flow [m^3/s] of suction from the next step on.
+  void set_suction(double flow) noexcept { config_.suction = flow; }
   [[nodiscard]] const BloodVolumes& volumes() const noexcept { return volumes_; }
   [[nodiscard]] double flow() const noexcept { return flow_; }    ///< [m^3/s] mean of the last step
   [[nodiscard]] double level() const noexcept { return level_; }  ///< [m] height of the surface, as BloodSite

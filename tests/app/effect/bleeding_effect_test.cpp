@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "app/stage/bleeding_state.h"
+#include "haptics/hand/hand_switches.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -114,6 +115,42 @@ TEST_CASE("bleeding: a session has the events and columns; wax is one of them, a
   std::vector<std::string> lines;
   run.simulation().stage().warn(lines);
   CHECK(std::ranges::any_of(lines, [](const std::string& line) { return line.find("[bleeding] blood hid the floor") == 0; }));
+}
+
+TEST_CASE("bleeding: wax and suction by switch: wax once for each press, suction while it is on") {
+  const auto with = [](std::vector<Input> inputs) {
+    Bled out{GivenHand(5.5e-3, 0.7), nullptr};
+    SimulationOptions options;
+    options.hand = &out.hand;
+    options.history = true;
+    options.inputs = std::move(inputs);
+    const SmallScene scene = free_scene();
+    const std::string keys = kBleeding + "suction_ml_per_min = 100\nsuction_by_switch = true\nwax = \"switch\"\n";
+    out.run = std::make_unique<DrillRun>(load_text(scene_text(scene) + keys, scene.sets), options);
+    out.run->run();
+    return out;
+  };
+  const auto at = [](double time, std::uint32_t bits) {
+    return Input{static_cast<std::uint64_t>(time * 1000.0 + 0.5), InputKind::switches, static_cast<double>(bits), {}, {}};
+  };
+  const Bled never = with({}), waxed = with({at(2.0, kWaxSwitch), at(2.4, 0)}), held = with({at(0.0, kWaxSwitch)}),
+             twice = with({at(1.0, kWaxSwitch), at(1.2, 0), at(2.0, kWaxSwitch)}), sucked = with({at(2.0, kSuctionSwitch)}),
+             over = with({at(1.0, kSuctionSwitch), at(1.5, 0)});
+  CHECK(never.of("waxings") == 0.0);
+  CHECK(never.of("sucked_ml") == 0.0);
+  CHECK(never.of("bled_ml") > 0.0);
+  CHECK(waxed.of("waxings") == 1.0);
+  CHECK(waxed.of("flow_ml_per_min") == 0.0);
+  // As by the clock: the wax of `after` comes with the first step of bone at its time.
+  CHECK(waxed.of("bled_ml") == doctest::Approx(bled(kBleeding + "wax = \"after\"\nwax_s = 2\n").of("bled_ml")).epsilon(0.02));
+  CHECK(held.of("waxings") == 1.0);  // before there were pores: what is drilled later bleeds
+  CHECK(held.of("flow_ml_per_min") > 0.0);
+  CHECK(twice.of("waxings") == 2.0);
+  CHECK(sucked.of("sucked_ml") > 0.8 * never.of("pooled_ml"));
+  CHECK(sucked.of("pooled_ml") == 0.0);
+  CHECK(over.of("sucked_ml") > 0.0);
+  CHECK(over.of("sucked_ml") < sucked.of("sucked_ml"));
+  CHECK(over.of("pooled_ml") > 0.0);
 }
 
 TEST_CASE("bleeding: each key changes what it names") {
@@ -242,6 +279,8 @@ TEST_CASE("bleeding: wrong keys are refused with their place; without the table 
   CHECK(first("[bleeding]\nwax_s = 3\n").find("needs wax") != std::string::npos);
   CHECK(first("[bleeding]\ndown = [0, 0, 0]\n").find("must not be zero") != std::string::npos);
   CHECK_FALSE(first("[bleeding]\nwax = \"late\"\n").empty());
+  CHECK(first("[bleeding]\nwax = \"switch\"\nwax_s = 3\n").find("needs wax") != std::string::npos);
+  CHECK(first("[bleeding]\nsuction_by_switch = true\n").find("needs suction_ml_per_min above 0") != std::string::npos);
   CHECK_FALSE(first("[bleeding]\ncoagulation_s = 0\n").empty());
   CHECK_FALSE(first("[bleeding]\npresure_kPa = 1\n").empty());
   DrillRun without(free_scene());

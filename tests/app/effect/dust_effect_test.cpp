@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "haptics/hand/hand_switches.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -106,6 +107,42 @@ TEST_CASE("dust: saline rinses and suction takes; both uncover the hole, and a l
     CHECK(one.sum() == doctest::Approx(one.removed).epsilon(1e-11));
     CHECK(one.voxels == dry.voxels);
   }
+}
+
+TEST_CASE("dust: suction and saline by switch are on while their switch is, in a replay too") {
+  const TemporaryFolder folder;
+  const std::string tables = "[dust]\n[dust.suction]\nby_switch = true\n[irrigation]\nby_switch = true\n";
+  struct Used {
+    double sucked, sucked_s, rinsed, rinsed_s;
+  };
+  const auto with = [&](const std::vector<Input>& inputs) {
+    SimulationOptions options;
+    options.inputs = inputs;
+    options.history = true;
+    DrillRun run(plate(tables), options);
+    run_recorded(run, folder.file("switch.sqlite"));
+    const auto get = [&](const char* table, const char* name) { return figure(run.simulation(), table, name); };
+    const Used out{get("dust", "sucked_mm3"), get("dust", "suction_s"), get("dust", "rinsed_mm3"), get("irrigation", "on_s")};
+    ReplayRun replayed(folder.file("switch.sqlite"), {.history = true});
+    CHECK(figure(replayed.run().simulation(), "dust", "sucked_mm3") == out.sucked);
+    CHECK(figure(replayed.run().simulation(), "dust", "rinsed_mm3") == out.rinsed);
+    CHECK(figure(replayed.run().simulation(), "dust", "suction_s") == out.sucked_s);
+    return out;
+  };
+  const auto at = [](double time, std::uint32_t bits) {
+    return Input{static_cast<std::uint64_t>(time * 1000.0 + 0.5), InputKind::switches, static_cast<double>(bits), {}, {}};
+  };
+  const Used never = with({}), sucks = with({at(4.0, kSuctionSwitch), at(5.5, 0)}), rinses = with({at(4.0, kIrrigationSwitch)}),
+             other = with({at(0.0, kWaxSwitch)});
+  constexpr double kStep = 0.02;  // [s] of bone: a switch is seen by the next one
+  CHECK(never.sucked + never.sucked_s + never.rinsed + never.rinsed_s == 0.0);
+  CHECK(other.sucked + other.sucked_s + other.rinsed + other.rinsed_s == 0.0);
+  CHECK(std::abs(sucks.sucked_s - 1.5) <= kStep + 1e-9);
+  CHECK(sucks.sucked > 0.0);
+  CHECK(sucks.rinsed == 0.0);
+  CHECK(std::abs(rinses.rinsed_s - 2.0) <= kStep + 1e-9);
+  CHECK(rinses.rinsed > 0.0);
+  CHECK(rinses.sucked == 0.0);
 }
 
 TEST_CASE("dust: each key changes the figure that it names") {

@@ -244,7 +244,7 @@ TEST_CASE("controls: the bone can be exported in bone, in a pause, in a demonstr
   REQUIRE(asked);
   CHECK(asked->kind == InputKind::export_bone);
   CHECK(asked->text == "stl");
-  CHECK_FALSE(rig.controls.has_input());
+  CHECK_FALSE(rig.controls.has_query());
   rig.press(Key::p);
   CHECK_FALSE(rig.controls.take_query().has_value());  // the pause itself is for the run
   CHECK(rig.controls.take_input()->kind == InputKind::pause);
@@ -265,7 +265,60 @@ TEST_CASE("controls: the bone can be exported in bone, in a pause, in a demonstr
   watched.press(Key::f9);
   CHECK(watched.controls.take_input()->kind == InputKind::export_bone);
   watched.press(Key::z);
-  CHECK_FALSE(watched.controls.has_input());
+  CHECK_FALSE(watched.controls.has_query());
+}
+
+TEST_CASE("controls: suction and irrigation are switched, wax is a pulse; a scene without them answers, and a pause changes none") {
+  ControlsSetup setup = Rig::setup();
+  setup.instruments = kSuctionSwitch | kWaxSwitch;
+  Rig rig(setup);
+  const auto asked = [&]() -> std::optional<std::uint32_t> {
+    std::optional<std::uint32_t> last;
+    while (const auto input = rig.controls.take_input())
+      if (input->kind == InputKind::switches) last = static_cast<std::uint32_t>(input->value);
+    return last;
+  };
+  rig.press(Key::u);
+  rig.run(0.1);
+  CHECK(asked() == std::optional<std::uint32_t>(kSuctionSwitch));
+  rig.press(Key::m);
+  rig.run(kStep);
+  CHECK(asked() == std::optional<std::uint32_t>(kSuctionSwitch | kWaxSwitch));
+  rig.run(ControlsConfig{}.wax - 2 * kStep);
+  CHECK_FALSE(asked().has_value());
+  rig.run(3 * kStep);
+  CHECK(asked() == std::optional<std::uint32_t>(kSuctionSwitch));
+  rig.press(Key::i);
+  rig.run(kStep);
+  CHECK(rig.controls.take_answer().find("[irrigation] by_switch") != std::string::npos);
+  CHECK_FALSE(asked().has_value());
+  rig.press(Key::p);
+  rig.press(Key::u);
+  rig.run(1.0);
+  CHECK(rig.controls.take_answer().find("Paused") != std::string::npos);
+  CHECK_FALSE(asked().has_value());
+  rig.press(Key::p);
+  rig.press(Key::u);
+  rig.run(kStep);
+  CHECK(asked() == std::optional<std::uint32_t>(0u));
+}
+
+TEST_CASE("controls: a switch that changes as a pause begins is no reason to go on; a query behind it is") {
+  ControlsSetup setup = Rig::setup();
+  setup.bone_moves = true;
+  Rig rig(setup);
+  rig.handle(key(Key::left_alt, true));
+  rig.handle(key(Key::d, true));
+  rig.run(kStep);
+  CHECK(rig.controls.take_input()->kind == InputKind::switches);
+  rig.press(Key::p);
+  rig.run(kStep);
+  CHECK(rig.controls.take_input()->kind == InputKind::pause);
+  CHECK_FALSE(rig.controls.has_query());
+  rig.press(Key::f9);
+  CHECK(rig.controls.has_query());
+  CHECK(rig.controls.take_query()->kind == InputKind::export_bone);
+  CHECK(rig.controls.take_input()->kind == InputKind::switches);  // for the run when it goes on
 }
 
 TEST_CASE("controls: a game pad moves, drills and undoes; a pad that is gone stops the drill") {

@@ -175,13 +175,18 @@ TEST_CASE("panel: where bone moves, the panel has its motion and what was cut, a
   CHECK(moved_text(moving, view.live) == "14.1 mm");  // a quarter round the origin: 10 mm times the root of 2
 }
 
-TEST_CASE("panel: the keys of the bone are listed where it moves, and nowhere else") {
-  const auto lists = [](bool bone_moves) {
-    return std::ranges::count_if(key_table(bone_moves), [](const auto& row) { return std::string(row.first).starts_with("Alt"); });
+TEST_CASE("panel: the keys of the bone and of instruments are listed in scenes that have them, and in no others") {
+  const auto lists = [](const WindowPlan& plan, const char* keys) {
+    return std::ranges::count_if(key_table(plan), [&](const auto& row) { return std::string(row.first).starts_with(keys); });
   };
-  CHECK(lists(true) == 2);
-  CHECK(lists(false) == 0);
-  CHECK(key_table(true).size() == key_table(false).size() + 2);
+  WindowPlan plain, moving, assisted;
+  moving.bone_moves = true;
+  assisted.instruments = kWaxSwitch;
+  CHECK(lists(moving, "Alt") == 2);
+  CHECK(lists(plain, "Alt") == 0);
+  CHECK(lists(assisted, "U, I, M") == 1);
+  CHECK(lists(plain, "U, I, M") == 0);
+  CHECK(key_table(moving).size() == key_table(plain).size() + 2);
 }
 
 TEST_CASE("panel: names of tools are read as words") {
