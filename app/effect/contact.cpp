@@ -148,6 +148,7 @@ class ContactPlan final : public EffectPlan {
     needs.coupling_stiffness = own.coupling_stiffness;
     needs.coupling_damping = own.coupling_damping;
     needs.cutting_stiffness = own.cutting_stiffness;
+    needs.felt_hardness = own.felt_hardness;
     needs.plane_reach_voxels = own.plane_reach;
     if (own.paper_grids)
       needs.not_live = "contact.storage = \"vdb\" cannot be read while another thread cuts: use storage = \"window\" for a live run";

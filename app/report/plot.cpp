@@ -269,14 +269,14 @@ std::string titled(const std::string& name) { return name.empty() ? "notitle" : 
 /// @param layers of the series, from curve_layers().
 std::string series_commands(const PlotPanel& panel, std::size_t panel_index, const std::vector<CurveLayer>& layers) {
   std::vector<std::string> parts;
+  const std::vector<std::string> styles = turn_styles(layers);
   for (std::size_t i = 0; i < panel.fills.size(); ++i)
     parts.push_back(fmt::format("$f{}_{} using 1:2:3 with filledcurves linecolor rgb \"{}\" {}", panel_index, i, kBandColors[0],
                                 titled(panel.fills[i].name)));
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     const std::string block = fmt::format("$p{}_{}", panel_index, i);
-    parts.push_back(
-        fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style, titled(series.name)));
+    parts.push_back(fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? styles[i] : series.style, titled(series.name)));
   }
   if (parts.empty()) parts.emplace_back("NaN notitle");  // gnuplot refuses a plot of nothing
   std::string out = "plot ";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "core/base/assert.h"
 
@@ -14,6 +15,7 @@ namespace {
 constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
 // One for each round of the colours: with these, 15 lines of a panel differ. Each pattern repeats in the sample of the legend.
 constexpr const char* kLineDashes[] = {"1", "(8,4)", "(2,3)"};
+constexpr std::size_t kColors = std::size(kLineColors), kDashes = std::size(kLineDashes), kSolid = 0;
 constexpr double kLineWidth = 1.6, kCoveredWidth = 3.4;
 
 bool coincide(const PlotSeries& a, const PlotSeries& b, double near) {
@@ -32,17 +34,41 @@ std::vector<CurveLayer> curve_layers(const PlotPanel& panel, double near) {
     for (std::size_t under = 0; under < n; ++under) {
       const PlotSeries &upper = panel.series[n], &lower = panel.series[under];
       if (!upper.style.empty() || !lower.style.empty() || !coincide(upper, lower, near)) continue;
+      if (out[under].below >= out[n].below) out[n].on = under;
       out[n].below = std::max(out[n].below, out[under].below + 1);
       out[under].covered = true;
     }
   return out;
 }
 
-std::string turn_style(std::size_t number, const CurveLayer& layer) {
-  constexpr std::size_t kColors = std::size(kLineColors), kDashes = std::size(kLineDashes);
-  const bool lowest = layer.covered && layer.below == 0;
-  return line_style(kLineColors[number % kColors], kLineDashes[(number / kColors + layer.below) % kDashes],
-                    lowest ? kCoveredWidth : kLineWidth);
+std::string turn_style(std::size_t number) {
+  return line_style(kLineColors[number % kColors], kLineDashes[number / kColors % kDashes], kLineWidth);
+}
+
+std::vector<std::string> turn_styles(const std::vector<CurveLayer>& layers) {
+  std::vector<std::string> out;
+  std::vector<std::size_t> dashes;
+  const auto is_taken = [&](std::size_t dash) {
+    for (std::size_t earlier = dashes.size() % kColors; earlier < dashes.size(); earlier += kColors)
+      if (dashes[earlier] == dash) return true;
+    return false;
+  };
+  for (const CurveLayer& layer : layers) {
+    const std::size_t number = dashes.size();
+    const auto shows = [&](std::size_t dash) { return layer.below == 0 || (dash != kSolid && dash != dashes[layer.on]); };
+    std::size_t chosen = number / kColors + layer.below;
+    std::optional<std::size_t> free, seen;
+    for (std::size_t dash = chosen; dash < chosen + kDashes; ++dash) {
+      if (is_taken(dash % kDashes)) continue;
+      if (!free) free = dash;
+      if (!seen && shows(dash % kDashes)) seen = dash;
+    }
+    chosen = seen.value_or(free.value_or(chosen)) % kDashes;
+    dashes.push_back(chosen);
+    out.push_back(
+        line_style(kLineColors[number % kColors], kLineDashes[chosen], layer.covered && layer.below == 0 ? kCoveredWidth : kLineWidth));
+  }
+  return out;
 }
 
 bool has_dashes(const std::vector<CurveLayer>& layers) {

@@ -50,6 +50,7 @@ struct Needs {
   bool chip_load = false;
   double coupling_stiffness = 0.0;  ///< [N/m] from hand to constrained tool; 0 without one
   double coupling_damping = 0.0;    ///< [N s/m] from hand to constrained tool; 0 without one
+  double felt_hardness = 0.0;       ///< [-] share by which that coupling is softer on bone of hardness 0 (core/contact/felt_hardness.h)
   double cutting_stiffness = 0.0;   ///< [N/m] K_cut, thrust over engaged depth of a constrained tool; 0 without one
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] largest distance at which a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world

@@ -35,6 +35,7 @@ HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool
   out.softest *= feed_beside_pore(tool);
   out.rough_drop = kVoxelPart * voxel_edge * needs.coupling_stiffness;
   out.exit_drop = needs.coupling_stiffness / (needs.coupling_stiffness + needs.cutting_stiffness);
+  out.watches_drill = needs.felt_hardness > 0.0;
   return out;
 }
 

@@ -23,6 +23,7 @@ struct ContactFormNeeds {
   bool holds_back = false;                                       ///< true: bone constrains a tool with its own pose; false: a penalty model
   double coupling_stiffness = 0.0;                               ///< [N/m] hand to tool, of a constrained tool
   double coupling_damping = 0.0;                                 ///< [N s/m] hand to tool, of a constrained tool
+  double felt_hardness = 0.0;                                    ///< [-] share by which that coupling is softer on bone of hardness 0
   double cutting_stiffness = 0.0;                                ///< [N/m] thrust over engaged depth, of a constrained tool
   double plane_reach = std::numeric_limits<double>::infinity();  ///< [voxels] largest distance from its pose at which a plane is valid
 };

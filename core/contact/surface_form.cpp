@@ -69,6 +69,7 @@ class SurfaceForm final : public ContactForm {
     out.coupling_stiffness = tool_.coupling_stiffness;
     out.coupling_damping = tool_.coupling_damping;
     out.cutting_stiffness = tool_.cutting_stiffness;
+    out.felt_hardness = tool_.felt_hardness;
     return out;
   }
   std::string text() const override {

@@ -73,6 +73,7 @@ class ScriptedDeviceHand final : public HandSource {
   void drill_stopped() noexcept BH_REALTIME override { script_.drill_stopped(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
   void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
+  void drill_at(const Vec3& drill) noexcept BH_REALTIME override { script_.drill_at((world_from_approach_.inverse() * drill).z); }
 
  private:
   ScriptedDeviceHand(SimulatedDevice& device, const DeviceHand& hand, const DeviceMap& map, const HandScript& script,

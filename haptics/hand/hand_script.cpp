@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kFilter = 0.005;          // [s] time constant of the filtered speed; a voxel that breaks away takes less
 constexpr double kPartOfDrop = 1.0 / 3.0;  // [-] the filter passes two thirds of a drop that 0.6 kg catch up with; half of it is the limit
+constexpr double kPartOfEngagement = 0.5;  // [-] pores take a third of it
 constexpr double kSettles = 0.1;           // [s] about one oscillation of the hand on the coupling
 constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
 constexpr double kSmooth = 0.025;          // [s] time constant of the depth by which feed is measured: an oscillation is no advance
@@ -36,6 +37,8 @@ Result<HandScript> HandScript::create(const HandScriptConfig& config, double mas
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
   if (!(config.exit_drop > 0.0 && config.exit_drop <= 1.0))
     return Error{ErrorCode::out_of_range, "the share of thrust that bone ceases to carry at its end must be above 0 and at most 1", {}};
+  if (config.watches_drill && !(config.cut_compliance > 0.0 && config.exit_drop < 1.0))
+    return Error{ErrorCode::out_of_range, "a hand that watches the drill must know the cutting stiffness and its share of the drop", {}};
   if (!(std::isfinite(mass) && mass > 0.0)) return Error{ErrorCode::out_of_range, "the hand's mass must be above 0", {}};
   if (!(std::isfinite(period) && period > 0.0))
     return Error{ErrorCode::out_of_range, "the period of the hand's script must be above 0", {}};
@@ -120,11 +123,23 @@ void HandScript::release(double felt, double height) noexcept {
 bool HandScript::loses_bone(double felt) noexcept {
   const double rough = goal_.thrust < config_.push ? config_.rough_drop : 0.0;
   const double most = std::max(kPartOfDrop * config_.exit_drop * goal_.thrust, rough);
-  if (held_) return config_.detects && lacks_ > most;
+  if (held_) return config_.detects && (config_.watches_drill ? face_falls(rough) : lacks_ > most);
   const bool steady = std::abs(lacks_) < most && felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages;
   steady_ticks_ = steady ? steady_ticks_ + 1 : 0;
   held_ = static_cast<double>(steady_ticks_) * period_ > kSettles;
   return false;
+}
+
+void HandScript::watch_face(double felt) noexcept {
+  face_ = drill_ + felt * config_.cut_compliance;
+  face_before_ = held_ ? face_before_ + (face_ - face_before_) * std::min(1.0, period_ / kSmooth) : face_;
+}
+
+/// Where the bit leaves bone, its next face is engaged by the thrust: the face that carries it falls by the engaged depth.
+/// @param rough [N] drop of the force that does not count; over the stiffness of the coupling it is a depth.
+bool HandScript::face_falls(double rough) const noexcept {
+  const double rough_depth = rough * config_.cut_compliance * (1.0 / config_.exit_drop - 1.0);
+  return face_before_ - face_ > std::max(kPartOfEngagement * goal_.thrust * config_.cut_compliance, rough_depth);
 }
 
 bool HandScript::feels_nothing(double felt, double height, double climb) noexcept {
@@ -152,7 +167,8 @@ void HandScript::lean(double felt, double height, double climb) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * least_jerk(ramp);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  const bool lost = loses_bone(felt), ahead = runs_ahead(height), none = feels_nothing(felt, height, climb);
+  if (config_.watches_drill) watch_face(felt);
+  const bool lost = loses_bone(felt), ahead = runs_ahead(config_.watches_drill ? face_ : height), none = feels_nothing(felt, height, climb);
   if (phase_ == HandPhase::lean && (lost || ahead || none || stopped_)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;

@@ -7,12 +7,14 @@
 ///     Force     The hand is accelerated into bone by more than a third of the force that bone ceases to carry at the exit, exit_drop times
 ///               the thrust. While bone carries the thrust, the hand is hardly accelerated. The force is m dv/dt, low-pass filtered with
 ///               5 ms; until the thrust is full it must exceed rough_drop too. The rule acts once bone has carried the thrust for 0.1 s,
-///               beginning at least 0.5 s after a change of the drive.
+///               beginning at least 0.5 s after a change of the drive. With watches_drill the rule is
+///               another: the face of bone that carries the drill, at the height of the drill plus force / K_cut, falls by more than half of
+///               the engaged depth within about 25 ms. A softer coupling takes force off the hand, but that face stays where it is.
 ///     No force  The hand has felt less than a tenth of contact_force for 5 ms and is 0.15 mm deeper than it ever felt bone. The rule acts
 ///               at any thrust.
 ///     Feed      The feed over three quarters of the engaged depth, at least 0.15 mm, exceeds `softest` times the usual feed
 ///               (feed_memory.h). This finds an exit at a thin or oblique rim, where bone ends gradually and no force is missing. The rule
-///               acts at full thrust, while the force rule acts.
+///               acts at full thrust, while the force rule acts. With watches_drill it is the feed of that face, otherwise the hand's.
 ///   A drill with a clutch ([clutch]) stops when its inner tip has no support. The hand feels that as a breakthrough, without any rule:
 ///   drill_stopped().
 ///   A bit that is not much wider than the pores of the diploe falls into them as it falls out of bone, and no rule can distinguish the two. So
@@ -21,6 +23,7 @@
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "core/base/assert.h"
@@ -38,8 +41,12 @@ struct HandScriptConfig {
   double reaction = 0.150;     ///< [s] from breakthrough detection to the begin of the release (assumed)
   double release = 0.3;        ///< [s] over which the thrust falls to zero after the release begins
   double contact_force = 1.0;  ///< [N] force on the hand that counts as contact
-  bool detects = true;         ///< false: breakthrough is not detected, and the thrust ends at `reach`
-  bool resumes = true;         ///< false: after the release the script withdraws, whatever is left ahead of the tip
+  /// The rules of force and feed follow the drill, not the hand. Needed where the stiffness of the coupling between the two changes, as with
+  /// felt hardness: softer bone then takes force off the hand, and lets it advance, while the drill stays on bone. Needs cut_compliance and an
+  /// exit_drop below 1.
+  bool watches_drill = false;
+  bool detects = true;  ///< false: breakthrough is not detected, and the thrust ends at `reach`
+  bool resumes = true;  ///< false: after the release the script withdraws, whatever is left ahead of the tip
   /// [-] in (0, 1]: force rule, least share of the thrust that bone ceases to carry when the bit loses all bone in which it is engaged.
   /// K / (K + K_cut) if the next face of the bit then engages, K the stiffness of the coupling from hand to tool; 1 if this is unknown.
   double exit_drop = 1.0;
@@ -66,8 +73,9 @@ struct HandGoal {
 
 class HandScript {
  public:
-  /// Errors: out_of_range when a value is not finite or negative, when follow_time, exit_drop, mass or period is not above 0, or when
-  /// exit_drop is above 1. @param mass [kg] that the thrust accelerates when no bone carries it. @param period [s] of a tick.
+  /// Errors: out_of_range when a value is not finite or negative, when follow_time, exit_drop, mass or period is not above 0, when exit_drop is
+  /// above 1, or when watches_drill lacks what it needs. @param mass [kg] that the thrust accelerates when no bone carries it. @param period [s]
+  /// of a tick.
   [[nodiscard]] static Result<HandScript> create(const HandScriptConfig& config, double mass, double period);
 
   /// Advances one tick. @param felt [N] force on the hand along +z. @param height [m] z of the hand. @param climb [m/s] its z velocity.
@@ -88,6 +96,10 @@ class HandScript {
   void scene_changed(double softest) noexcept;
   /// As HandSource::bone_ahead(). Without a call no bone is left ahead.
   void bone_ahead(bool left) noexcept { ahead_ = left; }
+  /// To be called before each advance() where watches_drill is set. @param height [m] z of the drill. Values that are not finite are ignored.
+  void drill_at(double height) noexcept {
+    if (std::isfinite(height)) drill_ = height;
+  }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -99,6 +111,8 @@ class HandScript {
   void release(double felt, double height) noexcept;
   [[nodiscard]] bool loses_bone(double felt) noexcept;
   [[nodiscard]] bool feels_nothing(double felt, double height, double climb) noexcept;
+  void watch_face(double felt) noexcept;
+  [[nodiscard]] bool face_falls(double rough) const noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
@@ -111,6 +125,9 @@ class HandScript {
   double speed_ = 0.0;        // [m/s] of the hand into bone, low-pass filtered with 5 ms
   double lacks_ = 0.0;        // [N] force that accelerates the hand into bone: mass x change of speed_
   double smooth_ = 0.0;       // [m] height, low-pass filtered with 25 ms
+  double drill_ = 0.0;        // [m] height of the drill
+  double face_ = 0.0;         // [m] height of the drill less its engagement: where the bone that carries it begins
+  double face_before_ = 0.0;  // [m] face_, low-pass filtered with 25 ms
   double lowest_ = 0.0;       // [m] height, the lowest at which bone was felt or the hand did not advance
   FeedMemory feed_;
   bool held_ = false;               // bone carries the thrust: the rules of force and feed act

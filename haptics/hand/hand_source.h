@@ -59,6 +59,9 @@ class HandSource {
   /// Called once per tick before apply(). @param left whether bone is left on the planned axis ahead of the tip: what a surgeon sees, or feels
   /// with a probe, in the hole.
   virtual void bone_ahead(bool left) noexcept BH_REALTIME { static_cast<void>(left); }
+  /// Called once per tick before apply(). @param drill [m] place of the drill in the newest contact result, world: what a surgeon sees and
+  /// holds. The coupling between hand and drill may become softer or harder, and then the two do not move alike.
+  virtual void drill_at(const Vec3& drill) noexcept BH_REALTIME { static_cast<void>(drill); }
 };
 
 }  // namespace burrhole

@@ -29,6 +29,7 @@ class SimulatedHand final : public HandSource {
   void drill_stopped() noexcept BH_REALTIME override { script_.drill_stopped(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
   void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
+  void drill_at(const Vec3& drill) noexcept BH_REALTIME override { script_.drill_at((world_from_approach_.inverse() * drill).z); }
 
  private:
   SimulatedHand(const HandConfig& config, const Pose& world_from_approach, const HandScript& script, const MassSpringDamper& body);

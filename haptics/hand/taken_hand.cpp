@@ -36,4 +36,8 @@ void TakenHand::bone_ahead(bool left) noexcept {
   if (!taken_) script_.bone_ahead(left);
 }
 
+void TakenHand::drill_at(const Vec3& drill) noexcept {
+  if (!taken_) script_.drill_at(drill);
+}
+
 }  // namespace burrhole

@@ -20,6 +20,7 @@ class TakenHand final : public HandSource {
   void drill_stopped() noexcept BH_REALTIME override;
   void scene_changed(double softest) noexcept override;
   void bone_ahead(bool left) noexcept BH_REALTIME override;
+  void drill_at(const Vec3& drill) noexcept BH_REALTIME override;
 
  private:
   TakenHand(const SimulatedHand& script, const GoalHand& user, GoalMailbox& goals) : script_(script), user_(user), goals_(&goals) {}

@@ -230,6 +230,7 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   output_.gain = gain_.gain();
   output_.faults = faults_;
   ++counts_.ticks;
+  if (contact.number > 0) hand_->drill_at(contact.world_from_tool.translation);
   hand_->apply({output_.force, Vec3(0.0)});
   return output_;
 }

@@ -93,6 +93,26 @@ TEST_CASE("plot: no two of fifteen curves have the same colour and dash") {
   CHECK(styles.size() == 15);
 }
 
+TEST_CASE("plot: no two curves have the same colour and dash where some of them coincide, and none hides the one that it lies on") {
+  // The sliding study: the first, sixth, seventh and eighth curve run along zero.
+  for (const std::vector<std::size_t>& alike : {std::vector<std::size_t>{0, 5, 6, 7}, {1, 6, 11}, {0, 1, 2, 3, 4}, {0, 2, 5, 7, 10, 12}}) {
+    Plot plot = make_many(15, 6);
+    for (const std::size_t n : alike) plot.panels[0].series[n].y = plot.panels[0].series[alike[0]].y;
+    const std::string script = plot_script(plot);
+    const std::regex line("with lines linewidth [0-9.]+ (linecolor rgb \"#[0-9a-f]{6}\") dashtype ([^ ]+) title");
+    std::set<std::string> styles;
+    std::vector<std::string> dashes;
+    for (std::sregex_iterator at(script.begin(), script.end(), line); at != std::sregex_iterator(); ++at) {
+      styles.insert(std::string((*at)[1]) + std::string((*at)[2]));
+      dashes.push_back((*at)[2]);
+    }
+    REQUIRE(dashes.size() == 15);
+    CHECK(styles.size() == 15);
+    if (alike.size() > 4) continue;  // with three dashes a choice may be impossible
+    for (std::size_t n = 1; n < alike.size(); ++n) CHECK(dashes[alike[n]] != dashes[alike[n - 1]]);
+  }
+}
+
 TEST_CASE("plot: the samples of the legend are longer where there are dashes") {
   CHECK(plot_script(make_many(15, 6)).find(" samplen 4\n") != std::string::npos);
   CHECK(plot_script(make_many(5, 6)).find(" samplen 2\n") != std::string::npos);

@@ -207,7 +207,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/device/device_hand.h: bone_ahead", "haptics/hand/hand_source.h: bone_ahead", "haptics/hand/simulated_hand.h: bone_ahead",
          "haptics/hand/taken_hand.h: bone_ahead", "haptics/device/device_hand.h: drill_stopped",
          "haptics/hand/hand_source.h: drill_stopped", "haptics/hand/simulated_hand.h: drill_stopped",
-         "haptics/hand/taken_hand.h: drill_stopped");
+         "haptics/hand/taken_hand.h: drill_stopped", "haptics/device/device_hand.h: drill_at", "haptics/hand/hand_source.h: drill_at",
+         "haptics/hand/simulated_hand.h: drill_at", "haptics/hand/taken_hand.h: drill_at");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -238,6 +239,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       taken->drive_changed();
       taken->drill_stopped();
       taken->bone_ahead(n % 2 == 0);
+      taken->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
       taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
@@ -249,6 +251,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
         source->drive_changed();
         source->drill_stopped();
         source->bone_ahead(n % 2 == 0);
+        source->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
       }
     }
   });

@@ -13,14 +13,18 @@ namespace {
 class RecordingHand final : public HandSource {
  public:
   [[nodiscard]] const HandState& read() noexcept override { return state_; }
+  void drill_at(const Vec3& drill) noexcept override { drill_ = drill; }
   void apply(const Wrench& on_hand) noexcept override {
     force = on_hand.force;
+    drill_before_apply = drill_;
     ++state_.tick;
     state_.world_from_hand.translation.x = static_cast<double>(state_.tick);
   }
   Vec3 force{-1.0};
+  Vec3 drill_before_apply{-1.0};
 
  private:
+  Vec3 drill_{-1.0};
   HandState state_;
 };
 
@@ -53,6 +57,20 @@ TEST_CASE("ServoStep: a sound force reaches the hand unchanged, and where the ha
   CHECK(bench.hand.force == force);
   CHECK(bench.out.latest().tick == 1);
   CHECK(bench.out.latest().world_from_hand.translation.x == 1.0);
+}
+
+TEST_CASE("ServoStep: the hand receives the place of the drill in the newest contact result before the force, and none before the first") {
+  Bench bench;
+  bench.tick(Vec3(0.0));  // number 0: there was no contact yet
+  CHECK(bench.hand.drill_before_apply == Vec3(-1.0));
+  for (std::uint64_t n = 1; n < 4; ++n) {
+    ContactState state;
+    state.number = n;
+    state.world_from_tool.translation = {1.0, 2.0, static_cast<double>(n)};
+    bench.contact.publish(state);
+    bench.servo();
+    CHECK(bench.hand.drill_before_apply == Vec3(1.0, 2.0, static_cast<double>(n)));
+  }
 }
 
 TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, at once and for good") {
