@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/spd.h"
-
 namespace burrhole {
 namespace {
 
@@ -20,6 +18,12 @@ constexpr double kLeastYield = 1e-9;
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
   const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
   return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging);
+}
+
+/// [N/m] Of bone under a plane with that lever (arm x normal).
+double stiffness_under(const HoldProblem& problem, const HoldPlane& plane, const Vec3& lever) noexcept {
+  const double compliance = 1.0 / problem.stiffness + glm::dot(lever, lever) / problem.turn_stiffness;
+  return 1.0 / std::max(plane.yield, kLeastYield * compliance);
 }
 
 /// The kept planes in the unknowns z, the move from the unloaded one: translation, turn and, if n is 9, engagement. At any z the best yield
@@ -43,8 +47,7 @@ class PressedPlanes {
         row_[i][k] = k < 3 ? plane.normal[axis] : k < 6 ? lever[axis] : engages[axis];
       }
       gap_[i] = gap_after(problem, plane, unloaded);
-      const double compliance = 1.0 / problem.stiffness + glm::dot(lever, lever) / problem.turn_stiffness;
-      stiffness_[i] = 1.0 / std::max(plane.yield, kLeastYield * compliance);
+      stiffness_[i] = stiffness_under(problem, plane, lever);
       spring_[i] = plane.both_ways;
       pressed_[i] = true;
     }
@@ -166,6 +169,28 @@ void find_forces(const HoldProblem& problem, std::span<HoldPlane> planes) noexce
 }
 
 }  // namespace
+
+Matrix6 stiffness_of(const HoldProblem& problem, std::span<const HoldPlane> planes) noexcept {
+  // Engagement first, so that its elimination leaves the stiffness against a move.
+  MatrixN<9> whole{};
+  for (std::size_t n = 0; n < 3; ++n) whole[n][n] = problem.cutting_stiffness;
+  for (const HoldPlane& plane : planes) {
+    const Vec3 lever = glm::cross(plane.arm, plane.normal), engages = plane.cutting ? plane.normal : Vec3(0.0);
+    const VectorN<9> row{engages.x, engages.y, engages.z, plane.normal.x, plane.normal.y, plane.normal.z, lever.x, lever.y, lever.z};
+    const double stiffness = stiffness_under(problem, plane, lever);
+    for (std::size_t r = plane.cutting ? 0 : 3; r < 9; ++r)
+      for (std::size_t c = plane.cutting ? 0 : 3; c <= r; ++c) whole[r][c] += stiffness * row[r] * row[c];
+  }
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t r = k + 1; r < 9; ++r) {
+      const double part = whole[r][k] / whole[k][k];
+      for (std::size_t c = k + 1; c <= r; ++c) whole[r][c] -= part * whole[c][k];
+    }
+  Matrix6 out{};
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t c = 0; c <= r; ++c) out[r][c] = whole[r + 3][c + 3];
+  return out;
+}
 
 HoldMove HoldSolver::move_of(const HoldProblem& problem) const noexcept {
   HoldMove out{problem.target, problem.turn, Vec3(0.0)};

@@ -22,6 +22,7 @@
 #include <span>
 
 #include "core/base/geometry.h"
+#include "core/base/spd.h"
 
 namespace burrhole {
 
@@ -101,5 +102,9 @@ class HoldSolver {
   int rounds_ = 0;
   bool converged_ = false;
 };
+
+/// @returns the stiffness of planes against a move of the tool (translation, then turn): the second derivative of their energy at the best
+/// engagement. All of them are taken as loaded. The lower triangle is set. @param problem with a finite turn stiffness.
+[[nodiscard]] Matrix6 stiffness_of(const HoldProblem& problem, std::span<const HoldPlane> planes) noexcept;
 
 }  // namespace burrhole

@@ -5,14 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/spd.h"
 #include "core/contact/contact_constraint.h"
 
 namespace burrhole {
 namespace {
 
-// [-] of the normal loads: a smaller change ends the rounds. The move that it leaves is kept as the law's residual of this step.
-constexpr double kSameLoad = 1e-6;
 constexpr double kLever = 0.01;  // [m] of pressed points: weighs torques and turns against forces and moves
 
 struct Springs {
@@ -31,6 +28,13 @@ std::size_t pressed_of(const HoldSolver& solver, std::array<PressedPoint, kMaxHo
   return count;
 }
 
+/// @returns the move that a load makes against springs and planes.
+SmallMove moved_by(const Wrench& load, Matrix6 supports, const Springs& springs) noexcept {
+  for (std::size_t n = 0; n < 6; ++n) supports[n][n] += n < 3 ? springs.stiffness : springs.turn_stiffness;
+  const Vector6 d = solve_spd(supports, {load.force.x, load.force.y, load.force.z, load.torque.x, load.torque.y, load.torque.z});
+  return {{d[0], d[1], d[2]}, {d[3], d[4], d[5]}};
+}
+
 Vector6 numbers_of(const Wrench& load) noexcept {
   const Vec3 torque = load.torque / kLever;
   return {load.force.x, load.force.y, load.force.z, torque.x, torque.y, torque.z};
@@ -46,7 +50,8 @@ class Mixing {
     Vector6 residual{};
     for (std::size_t k = 0; k < 6; ++k) residual[k] = g[k] - x[k];
     const double size = dot(residual, residual);
-    if (count_ == kMost || !(size < size_))
+    const bool grows = !(size < size_);
+    if (count_ == kMost || grows)
       count_ = 0;
     else if (rounds_ > 0)
       keep(residual, g);
@@ -54,6 +59,11 @@ class Mixing {
     residual_ = residual;
     size_ = size;
     g_ = g;
+    if (grows) {
+      Vector6 half = x;
+      for (std::size_t k = 0; k < 6; ++k) half[k] += 0.5 * residual[k];
+      return half;
+    }
     Vector6 out = g;
     for (std::size_t n = 0; n < count_; ++n) {
       const double part = dot(kept_[n].residual, residual);
@@ -106,23 +116,27 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
   std::array<PressedPoint, kMaxHoldPlanes> points;
   HoldMove move;
   Mixing mixing;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < step.most_rounds; ++round) {
     const SmallMove shift = springs.under(loads_.on_tool);
     HoldProblem shifted = problem;
     shifted.target += shift.translation;
     shifted.turn += shift.turn;
     move = solver.solve(shifted, candidates);
     const std::size_t count = pressed_of(solver, points);
+    const bool braced = !std::isinf(problem.turn_stiffness);
+    const Matrix6 planes = braced ? stiffness_of(problem, solver.planes()) : Matrix6{};
+    const SmallMove pushed = braced ? moved_by(loads_.on_tool, planes, springs) : shift;
     const TangentialLoads found =
         law.loads({.points = {points.data(), count},
-                   .free = {step.moved.translation + move.translation - shift.translation, step.moved.turn + move.turn - shift.turn},
+                   .free = {step.moved.translation + move.translation - pushed.translation, step.moved.turn + move.turn - pushed.turn},
                    .stiffness = problem.stiffness,
                    .turn_stiffness = problem.turn_stiffness,
+                   .planes = braced ? &planes : nullptr,
                    .spin = step.spin,
                    .dt = step.dt});
     double pressed = 0.0;
     for (const PressedPoint& point : std::span(points.data(), count)) pressed += point.load;
-    const double enough = kSameLoad * pressed;
+    const double enough = step.enough * pressed;
     const Vec3 force = found.on_tool.force - loads_.on_tool.force, torque = found.on_tool.torque - loads_.on_tool.torque;
     const SmallMove change = springs.under({force, torque});
     // When the bound on rounds is reached the loads stay those of the move, so that they balance.
@@ -132,7 +146,7 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
       loads_.on_tool = found.on_tool;
       break;
     }
-    if (round + 1 < kMaxRounds) loads_.on_tool = wrench_of(mixing.next(numbers_of(loads_.on_tool), numbers_of(found.on_tool)));
+    if (round + 1 < step.most_rounds) loads_.on_tool = wrench_of(mixing.next(numbers_of(loads_.on_tool), numbers_of(found.on_tool)));
   }
   return move;
 }

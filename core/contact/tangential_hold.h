@@ -1,8 +1,10 @@
 /// core/contact/tangential_hold.h: solves normal loads (hold_solver.h) and tangential loads (tangential_law.h) of a massless tool together.
 ///   Frame  that of the hold problem; bone is at rest in it.   Units  SI.   Thread  contact or servo; never allocates.
-///   Method  alternation, at most kMaxRounds times: the pose for the latest tangential loads, then the tangential loads for the latest
-///           normal loads. On a flat face two rounds are exact. Where normals and tangents couple, the next loads are mixed from those of
-///           all rounds; the last change is the residual. A few rounds are usual, and all of them where points go from sticking to sliding.
+///   Method  alternation, at most `most_rounds` times: the pose for the latest tangential loads, then the tangential loads for the latest
+///           normal loads. The law sees the tool on its springs and on the loaded planes, so a load that pushes a wedged tool against a wall
+///           meets the wall in the same round. On a flat face two rounds are exact. Where normals and tangents couple, the next loads are
+///           mixed from those of all rounds, and where the change grows it is halved; the last change is the residual. One to three rounds
+///           are usual, and all of them where planes come and go with the tangential load.
 ///   Flanks  A cutting plane is `held` while planes of lateral stiffness (flank_friction.h) are present. There the law adds the friction of the
 ///           rim speed, which is a force, and no resistance to displacement, so no lateral load is counted twice.
 ///   Source  the alternation is Panagiotopoulos' for contact with Coulomb friction and the mixing is Anderson's for fixed points, both as
@@ -19,12 +21,14 @@ struct TangentialStep {
   SmallMove moved;   ///< of the tool since the start of the step, at the pose for which the problem's gaps were measured
   Vec3 spin{0.0};    ///< [rad/s]
   double dt = 1e-3;  ///< [s] > 0
+  /// [-] of the normal loads: a smaller change of the tangential load ends the rounds. It stays as the law's residual of this step, which the
+  /// next takes back.
+  double enough = 1e-6;
+  int most_rounds = 8;  ///< at least 1
 };
 
 class TangentialHold {
  public:
-  static constexpr int kMaxRounds = 8;
-
   void clear() noexcept { loads_ = {}; }
   /// @returns the move, with normal and tangential loads. `problem` is that of the springs alone.
   HoldMove solve(TangentialLaw& law, const TangentialStep& step, const HoldProblem& problem, HoldCandidates& candidates,

@@ -12,6 +12,7 @@
 
 #include "core/base/assert.h"
 #include "core/base/geometry.h"
+#include "core/base/spd.h"
 
 namespace burrhole {
 
@@ -39,13 +40,16 @@ struct TangentialProblem {
   SmallMove free;                        ///< of the tool under all loads except the tangential ones
   double stiffness = 1.0;                ///< [N/m] > 0
   double turn_stiffness = 1.0;           ///< [N m/rad] > 0; may be infinite
-  Vec3 spin{0.0};                        ///< [rad/s] of the tool's surface, about an axis through the tool origin, in addition to its move
-  double dt = 1e-3;                      ///< [s] > 0
+  /// Stiffness of the loaded planes against a move (translation, then turn), in addition to that of the springs; null: none. Positive
+  /// semidefinite; the lower triangle is read. Not with an infinite turn stiffness.
+  const Matrix6* planes = nullptr;
+  Vec3 spin{0.0};    ///< [rad/s] of the tool's surface, about an axis through the tool origin, in addition to its move
+  double dt = 1e-3;  ///< [s] > 0
 };
 
 struct TangentialLoads {
   Wrench on_tool;  ///< force [N], torque [N m] about the tool origin
-  SmallMove move;  ///< of the tool with these loads: free + force / stiffness, and the turn accordingly
+  SmallMove move;  ///< of the tool with these loads: free + what the loads add against springs and planes
 };
 
 class TangentialLaw {
