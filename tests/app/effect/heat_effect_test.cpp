@@ -192,6 +192,27 @@ TEST_CASE("irrigation: each key changes what it names") {
   CHECK(run("always = true\n", "irrigation", "on_s") == doctest::Approx(8.0).epsilon(1e-9));
 }
 
+TEST_CASE("irrigation picture: only if it is asked for, with the same bits; bone is wet within reach of the tip while saline flows") {
+  const auto run = [](const std::string& keys, const char* seconds) {
+    auto out = std::make_unique<DrillRun>(post("[irrigation]\n" + keys, {seconds}));
+    out->run();
+    return out;
+  };
+  const auto without = run("", "duration_s=9.0");
+  CHECK(picture_of(*without) == nullptr);
+  const auto wet = run("drawn = true\n", "duration_s=9.0");
+  CHECK(wet->voxel_hash() == without->voxel_hash());
+  const Shown all = shown_of(*wet), near = shown_of(*run("drawn = true\nreach_mm = 1\n", "duration_s=9.0"));
+  // The face of the post, 4 mm^2, lies at the tip; its sides lie below, wet down to a voxel, 2 mm^2.
+  CHECK(all.area > 3.5e-6);
+  CHECK(all.area < 8e-6);
+  CHECK(near.area < 0.9 * all.area);
+  CHECK(all.highest < -kFeed * 8.0 + 0.5e-3);
+  CHECK(all.lowest > -kFeed * 9.0 - 0.5e-3);
+  // After the stop the drill is withdrawn and stands: dry, unless it always flows within reach.
+  CHECK(shown_of(*run("drawn = true\n", "duration_s=60.0")).area == 0.0);
+}
+
 TEST_CASE("heat: without the table there is no step, no column and no figure of it") {
   DrillRun without(post(""));
   DrillRun with(post("[heat]\n"));
