@@ -12,6 +12,7 @@
 #include "app/cli/film.h"
 #include "app/cli/given_paths.h"
 #include "app/cli/progress.h"
+#include "app/cli/scene_bar.h"
 #include "app/job/drill_job.h"
 #include "app/job/earlier_run.h"
 #include "app/job/expectation.h"
@@ -132,9 +133,11 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
                                        .gl = files.gl,
                                        .shader_folder = files.shader_folder,
                                        .film = film.get(),
-                                       .report = [quiet](const std::string& line) {
-                                         if (!quiet) note(fmt::format("quality: {}\n", line));
-                                       }});
+                                       .report =
+                                           [quiet](const std::string& line) {
+                                             if (!quiet) note(fmt::format("quality: {}\n", line));
+                                           },
+                                       .bar = bar_of(loaded.scene)});
   };
   if (!files.inputs.empty()) {
     Issues issues;

@@ -7,6 +7,7 @@
 
 #include "app/audio/speaker.h"
 #include "app/cli/recorded_scene.h"
+#include "app/cli/scene_bar.h"
 #include "app/render/renderer.h"
 #include "app/run/live_replay.h"
 #include "app/session/recorded_hand.h"
@@ -49,9 +50,10 @@ std::vector<ToolText> tools_for(const LoadedScene& loaded) {
   return out;
 }
 
-MakeWindowSink sink_maker(const std::string& shader_folder) {
-  return [=](const DisplayConfig& display, const std::string& folder, GlContext context) -> Result<WindowSinkParts> {
-    auto made = make_window_sink(display, {.folder = folder, .shader_folder = shader_folder}, std::move(context));
+MakeWindowSink sink_maker(const std::string& shader_folder, const Scene& scene) {
+  return [shader_folder, bar = bar_of(scene)](const DisplayConfig& display, const std::string& folder,
+                                              GlContext context) -> Result<WindowSinkParts> {
+    auto made = make_window_sink(display, {.folder = folder, .shader_folder = shader_folder, .bar = bar}, std::move(context));
     if (!made) return made.error();
     return WindowSinkParts{std::move(made->sink), made->renderer};
   };
@@ -126,7 +128,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
     print_warning(loaded.scene.file, "[sound] is not heard: " + speaker.error().message);
     return nullptr;
   };
-  run.make_sink = sink_maker(files.shader_folder);
+  run.make_sink = sink_maker(files.shader_folder, loaded.scene);
   run.start.tools = tools_for(loaded);
   run.start.tool = loaded.tool.name;
   run.start.reference_push = options.reference_push;
@@ -165,7 +167,7 @@ Result<ViewedSession> view_session_in_window(const std::string& path, const Wind
   if (Status written = checkpoint.write(*session, "restore"); !written) return written.error();
   SessionView view;
   view.restore_path = checkpoint.path();
-  view.make_sink = sink_maker({});
+  view.make_sink = sink_maker({}, loaded->scene);
   view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
   view.stop = &stop_requested();
   if (!quiet) view.say = print_line;

@@ -123,6 +123,7 @@ class OffscreenSink final : public PictureSink {
     if (scale_bar_) draw_scale_bar(*image, fit_scale_bar(view.camera, width, height));
     if (orientation_) draw_orientation(*image, view.camera, view.world_from_bone);
     if (!note_.empty()) draw_note(*image, note_);
+    if (options_.bar) draw_color_bar(*image, *options_.bar);
     return image;
   }
 

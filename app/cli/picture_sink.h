@@ -3,10 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/job/picture_sink.h"
+#include "app/view/color_bar.h"
 #include "app/view/tip_slices.h"
 
 namespace burrhole {
@@ -24,6 +26,7 @@ struct PictureOptions {
   std::string shader_folder{};                       ///< value of --shader-dir; empty: the built-in shaders
   FilmWriter* film = nullptr;                        ///< receives the frames of a film; must outlive the sink
   std::function<void(const std::string&)> report{};  ///< receives one line when a budget has chosen the quality; may be empty
+  std::optional<ColorBar> bar{};                     ///< drawn into each picture
 };
 
 /// A sink, and the renderer that it owns.

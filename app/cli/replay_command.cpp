@@ -7,6 +7,7 @@
 #include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
 #include "app/cli/recorded_scene.h"
+#include "app/cli/scene_bar.h"
 #include "app/job/wav_file.h"
 #include "app/run/live_replay.h"
 #include "app/run/simulation.h"
@@ -140,7 +141,7 @@ Result<Replayed> replay(const ReplayOptions& option) {
   }
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {
-    auto made = make_picture_sink(*display, {.folder = {}, .gl = option.gl, .film = film->get()});
+    auto made = make_picture_sink(*display, {.folder = {}, .gl = option.gl, .film = film->get(), .bar = bar_of(loaded->scene)});
     if (!made) return made.error();
     sink = std::move(made).value();
     options.sink = sink.get();

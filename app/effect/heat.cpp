@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "app/effect/registry.h"
 #include "app/stage/coolant.h"
 #include "app/stage/stage.h"
+#include "app/view/heat_mesh.h"
 #include "core/config/rules.h"
 #include "core/heat/bone_cells.h"
 #include "core/heat/heat_field.h"
@@ -23,6 +25,7 @@ struct HeatScene {
   double reach = 0.02;        ///< [m] from the drilled line to the edge of the domain
   int cell_voxels = 2;        ///< [voxels] edge of a cell
   double damage_dose = 16.0;  ///< [min] dose that kills bone: 47 C for 1 min
+  std::optional<HeatPictureConfig> picture{};
 };
 
 class HeatEffect final : public Effect {
@@ -36,6 +39,8 @@ class HeatEffect final : public Effect {
         index_from_approach_(stage.voxmap->bone().bone_from_index().inverse() * Affine::from_pose(stage.approach.bone_from_approach)),
         depth_(stage.approach.thickness) {
     const VoxelBox& all = field_.domain();
+    if (scene_.picture)
+      picture_.emplace(field_, cells_, cells_.voxels_of(all), voxmap_->bone().bone_from_index(), scene_.field.body, *scene_.picture);
     for (int k = all.lo.z; k < all.hi.z; ++k)  // layer by layer: the densities of all voxels would take more memory than the field
       read_bone({Vec3i(all.lo.x, all.lo.y, k), Vec3i(all.hi.x, all.hi.y, k + 1)});
     field_.forget_losses();
@@ -72,6 +77,7 @@ class HeatEffect final : public Effect {
     out.add("cells", static_cast<std::uint64_t>(field_.domain().count()));
     out.add("steps", field_.steps());
   }
+  PictureSource* picture_source() noexcept override { return picture_ ? &*picture_ : nullptr; }
   void warn(std::vector<std::string>& out) const override {
     const double dead = field_.volume_with_dose(scene_.damage_dose) * 1e9;
     if (dead > 0.0)
@@ -149,11 +155,13 @@ class HeatEffect final : public Effect {
     voxmap_->read_density(voxels, density_);
     cells_.mean(cells, density_, shares_);
     field_.set_bone(cells, shares_);
+    if (picture_) picture_->set_bone(voxels, density_);
   }
 
   HeatScene scene_;
   HeatField field_;
   BoneCells cells_;
+  std::optional<HeatPicture> picture_;  // absent: pictures do not show the heat
   Voxmap* voxmap_;
   std::size_t listener_;
   Affine index_from_approach_;
@@ -189,21 +197,30 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     c.field.fourier =
         table.number("fourier", above_zero(c.field.fourier, 1.0, 1e3),
                      "length of a step of conduction: diffusivity x time / (edge of a cell)^2; above 1/3 with a larger error");
+    if (const auto picture = table.table("picture", "pictures show the heat as the colour of bone; absent: they do not"))
+      read_picture(*picture);
+  }
+  /// As ConfigPlan, and the scale of the pictures.
+  void* config(std::type_index type) noexcept override {
+    if (type == typeid(HeatPictureConfig)) return config_.picture ? &*config_.picture : nullptr;
+    return ConfigPlan::config(type);
   }
 
   void add_needs(const StageConfig&, Needs& needs) const override { needs.warms = true; }
 
   PlanRow row(const PlanContext& context) const override {
     const VoxelBox domain = domain_of(drilling_way(context.config, context.bone), context.bone.bone_from_index, context.bone.dims);
-    return {.table = "heat",
-            .clock = Clock::simulation,
-            .step = "heat of cutting, conduction, thermal dose",
-            .needs = "removal, changed boxes",
-            .gives = "temperature, dose",
-            .detail = fmt::format("{} cells of {:.3g} mm, {:g} of the work", domain.count(),
-                                  context.voxel_edge() * config_.cell_voxels * 1e3, config_.share),
-            .rate_hz = static_cast<double>(context.needs.simulation_hz),
-            .bytes = sizeof(HeatEffect) + HeatField::bytes_of(domain.count())};
+    return {
+        .table = "heat",
+        .clock = Clock::simulation,
+        .step = "heat of cutting, conduction, thermal dose",
+        .needs = "removal, changed boxes",
+        .gives = "temperature, dose",
+        .detail = fmt::format("{} cells of {:.3g} mm, {:g} of the work", domain.count(), context.voxel_edge() * config_.cell_voxels * 1e3,
+                              config_.share),
+        .rate_hz = static_cast<double>(context.needs.simulation_hz),
+        .bytes = sizeof(HeatEffect) + HeatField::bytes_of(domain.count()) +
+                 (config_.picture ? HeatPicture::bytes_of(domain.count(), BoneCells(config_.cell_voxels).voxels_of(domain).count()) : 0)};
   }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     if (!context.needs.removes) out.push_back("[heat] without [erosion]: no bone is cut, so nothing is warmed");
@@ -222,6 +239,21 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
   }
 
  private:
+  void read_picture(TableReader table) {
+    HeatPictureConfig c{.damage_dose = config_.damage_dose};
+    const std::string shown = table.choice("quantity", "temperature", {"temperature", "peak", "dose"},
+                                           "the present temperature, the highest so far, or the thermal dose, from damage_dose_min / 16 to "
+                                           "damage_dose_min x 16");
+    c.quantity = shown == "dose" ? HeatQuantity::dose : shown == "peak" ? HeatQuantity::peak : HeatQuantity::temperature;
+    if (c.quantity != HeatQuantity::dose) {
+      c.lowest =
+          table.number("lowest_C", within(c.lowest, 0.0, 1000.0), "lower end of the scale; colder bone is drawn as bone (an assumption)");
+      c.highest = table.number("highest_C", within(c.highest, 0.0, 1000.0), "upper end of the scale (an assumption)");
+      if (!(c.highest > c.lowest)) table.fault("highest_C", "must be above lowest_C");
+    }
+    table.finish();
+    config_.picture = c;
+  }
   /// @returns the cells within reach of the drilled line, inside the grid.
   [[nodiscard]] VoxelBox domain_of(const DrillingWay& way, const Affine& bone_from_index, const Vec3i& dims) const {
     const Vec3 entry = way.index_from_tool.offset, end = entry + way.along;
@@ -238,6 +270,11 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 
 }  // namespace
 
-EffectEntry heat_effect() { return {"heat", "heat of cutting, its spread and the bone that dies of it; without it there is none", read}; }
+EffectEntry heat_effect() {
+  return {"heat",
+          "heat of cutting, its spread and the bone that dies of it; without it there is none",
+          read,
+          {"[heat.picture]", "picture.quantity = \"peak\"", "picture.quantity = \"dose\""}};
+}
 
 }  // namespace burrhole

@@ -12,6 +12,7 @@
 #include "app/render/overlay.h"
 #include "app/render/tip_slices_picture.h"
 #include "app/view/camera.h"
+#include "core/base/color_ramp.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -154,6 +155,32 @@ void draw_note(Image& image, const std::string& text) {
   for (const std::string& words : wrapped(text, usual, 0.7 * image.width - 2.0 * usual)) {
     draw_rimmed(image, write_text(words, {usual, line}, usual), width, kNear);
     line += 1.7 * usual;
+  }
+}
+
+void draw_color_bar(Image& image, const ColorBar& bar) {
+  const double letter = letter_height(image), width = std::max(1.2, letter / 8.0);
+  const double left = 1.6 * letter, right = left + 1.2 * letter, top = 0.3 * image.height, bottom = 0.7 * image.height;
+  const auto height = [&](double share) { return bottom + share * (top - bottom); };
+  draw_rimmed(
+      image,
+      {{{left, top}, {right, top}}, {{right, top}, {right, bottom}}, {{right, bottom}, {left, bottom}}, {{left, bottom}, {left, top}}},
+      width, kNear);
+  for (int y = static_cast<int>(std::ceil(top)); y < static_cast<int>(bottom); ++y) {
+    const RampColor color = ramp_color((bottom - y - 0.5) / (bottom - top));
+    for (int x = static_cast<int>(std::ceil(left)); x < std::min(image.width, static_cast<int>(right)); ++x)
+      image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)] = {color.r, color.g,
+                                                                                                                         color.b, 255};
+  }
+  for (const auto& [share, text] : bar.marks) {
+    draw_rimmed(image, {{{right, height(share)}, {right + 0.4 * letter, height(share)}}}, width, kNear);
+    draw_rimmed(image, write_text(text, {right + 0.9 * letter, height(share) + 0.5 * letter}, letter), width, kNear);
+  }
+  double line = top - letter;
+  const std::vector<std::string> lines = wrapped(bar.title, letter, 0.25 * image.width);
+  for (auto words = lines.rbegin(); words != lines.rend(); ++words) {
+    draw_rimmed(image, write_text(*words, {left, line}, letter), width, kNear);
+    line -= 1.7 * letter;
   }
 }
 

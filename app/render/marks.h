@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/view/color_bar.h"
 #include "app/view/view.h"
 #include "app/view/whole_bone.h"
 #include "core/base/bounds.h"
@@ -29,6 +30,8 @@ void draw_orientation(Image& image, const CameraView& camera, const Pose& world_
 
 /// Draws text at the lower edge, between scale bar and directions; where it would be too small to read, in lines in the upper left corner.
 void draw_note(Image& image, const std::string& text);
+/// Draws a scale of colours at the left edge, its lower end below, with its marks and its title above it.
+void draw_color_bar(Image& image, const ColorBar& bar);
 /// Copies a small picture into the upper right corner, with a light frame.
 void frame_into(Image& image, const Image& small);
 

@@ -7,15 +7,20 @@
 
 #include "app/report/gnuplot.h"
 #include "app/report/plot_range.h"
+#include "core/base/color_ramp.h"
 
 namespace burrhole {
 namespace {
 
 // Sizes [px] round the field of the map.
 constexpr int kLeft = 70, kRight = 118, kTop = 34, kBottom = 58, kFontSize = 12;
-// From dark violet over red to yellow, each lighter than the one before, so that it can be read without colour.
-constexpr const char* kPalette =
-    "set palette defined (0 \"#2c115f\", 0.25 \"#721f81\", 0.5 \"#b73779\", 0.75 \"#f1605d\", 0.9 \"#feb078\", 1 \"#fcfdbf\")\n";
+
+std::string palette() {
+  std::string stops;
+  for (const RampStop& stop : kValueRamp)
+    stops += fmt::format("{}{:g} \"#{:02x}{:02x}{:02x}\"", stops.empty() ? "" : ", ", stop.share, stop.color.r, stop.color.g, stop.color.b);
+  return "set palette defined (" + stops + ")\n";
+}
 
 }  // namespace
 
@@ -45,7 +50,7 @@ std::string map_script(const ValueMap& map, int width_px) {
       "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
       kLeft / wide, (width_px - kRight) / wide, kBottom / all, (kBottom + height) / all);
   out += "set border linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\nunset key\n";
-  out += kPalette;
+  out += palette();
   out += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\nset cblabel {}\n", gnuplot_quoted(map.title),
                      gnuplot_quoted(map.x_label), gnuplot_quoted(map.y_label), gnuplot_quoted(map.unit));
   out += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset cbrange [{}:{}]\n", map.x - half, right - half, below - half,

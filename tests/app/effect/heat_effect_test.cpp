@@ -2,9 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "app/view/added_mesh.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion.h"
 #include "tests/support/drill_scene.h"
@@ -53,6 +56,37 @@ Twin column(double flow, double seconds) {
     ++first;
   }
   for (std::size_t n = first; n < rise.size(); ++n) out.in_bone += slice * kHeat * rise[n];
+  return out;
+}
+
+PictureSource* picture_of(DrillRun& run) {
+  PictureSource* out = nullptr;
+  for (const Stage::MadeEffect& made : run.simulation().stage().effects())
+    if (PictureSource* source = made.effect->picture_source()) out = source;
+  return out;
+}
+
+struct Shown {
+  double area = 0.0;                    // [m^2]
+  double light = 0.0;                   // mean of the green channel, which rises along the scale
+  double lowest = 1.0, highest = -1.0;  // [m] z of the vertices
+};
+
+Shown shown_of(DrillRun& run) {
+  PictureSource* source = picture_of(run);
+  REQUIRE(source != nullptr);
+  (void)source->copy_for_picture();
+  AddedMesh mesh;
+  source->append_mesh(mesh);
+  Shown out;
+  for (const auto& [a, b, c] : mesh.triangles)
+    out.area +=
+        0.5 * static_cast<double>(glm::length(glm::cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a])));
+  for (const glm::vec3& p : mesh.vertices) {
+    out.lowest = std::min(out.lowest, static_cast<double>(p.z));
+    out.highest = std::max(out.highest, static_cast<double>(p.z));
+  }
+  for (const Rgba8& color : mesh.colors) out.light += static_cast<double>(color.g) / static_cast<double>(mesh.colors.size());
   return out;
 }
 
@@ -158,6 +192,27 @@ TEST_CASE("irrigation: each key changes what it names") {
   CHECK(run("always = true\n", "irrigation", "on_s") == doctest::Approx(8.0).epsilon(1e-9));
 }
 
+TEST_CASE("irrigation picture: only if it is asked for, with the same bits; bone is wet within reach of the tip while saline flows") {
+  const auto run = [](const std::string& keys, const char* seconds) {
+    auto out = std::make_unique<DrillRun>(post("[irrigation]\n" + keys, {seconds}));
+    out->run();
+    return out;
+  };
+  const auto without = run("", "duration_s=9.0");
+  CHECK(picture_of(*without) == nullptr);
+  const auto wet = run("drawn = true\n", "duration_s=9.0");
+  CHECK(wet->voxel_hash() == without->voxel_hash());
+  const Shown all = shown_of(*wet), near = shown_of(*run("drawn = true\nreach_mm = 1\n", "duration_s=9.0"));
+  // The face of the post, 4 mm^2, lies at the tip; its sides lie below, wet down to a voxel, 2 mm^2.
+  CHECK(all.area > 3.5e-6);
+  CHECK(all.area < 8e-6);
+  CHECK(near.area < 0.9 * all.area);
+  CHECK(all.highest < -kFeed * 8.0 + 0.5e-3);
+  CHECK(all.lowest > -kFeed * 9.0 - 0.5e-3);
+  // After the stop the drill is withdrawn and stands: dry, unless it always flows within reach.
+  CHECK(shown_of(*run("drawn = true\n", "duration_s=60.0")).area == 0.0);
+}
+
 TEST_CASE("heat: without the table there is no step, no column and no figure of it") {
   DrillRun without(post(""));
   DrillRun with(post("[heat]\n"));
@@ -169,6 +224,31 @@ TEST_CASE("heat: without the table there is no step, no column and no figure of 
   CHECK(columns(without) == 0);
   CHECK(columns(with) == 1);
   CHECK_FALSE(without.simulation().stage().figure("heat", "hottest_C").has_value());
+}
+
+TEST_CASE("heat picture: without its table nothing is drawn; with it the bone has the same bits, and each key changes what it names") {
+  const auto run = [](const std::string& keys) {
+    auto out = std::make_unique<DrillRun>(post("[heat]\n" + keys, {"duration_s=9.0"}));
+    out->run();
+    return out;
+  };
+  const auto without = run("");
+  CHECK(picture_of(*without) == nullptr);
+  const auto with = run("[heat.picture]\n");
+  CHECK(with->voxel_hash() == without->voxel_hash());
+  CHECK(figure(with->simulation(), "heat", "hottest_C") == figure(without->simulation(), "heat", "hottest_C"));
+  const Shown shown = shown_of(*with);
+  // 1.3 mm of the post of 4 mm^2 have been drilled: its face is warm, and nothing is drawn where it was.
+  CHECK(shown.area > 4e-6);
+  CHECK(shown.highest < -kFeed * 8.0 + 0.5e-3);
+  CHECK(shown_of(*run("[heat.picture]\nlowest_C = 45\n")).area < 0.9 * shown.area);
+  CHECK(shown_of(*run("[heat.picture]\nhighest_C = 90\n")).light < 0.9 * shown.light);
+  CHECK(shown_of(*run("[heat.picture]\nquantity = \"peak\"\n")).area >= shown.area);
+  CHECK(shown_of(*run("[heat.picture]\nquantity = \"dose\"\n")).area > 0.0);
+  // Cold at first, and again far above the hottest.
+  DrillRun fresh(post("[heat]\n[heat.picture]\n"));
+  CHECK(shown_of(fresh).area == 0.0);
+  CHECK(shown_of(*run("[heat.picture]\nlowest_C = 900\nhighest_C = 1000\n")).area == 0.0);
 }
 
 TEST_CASE("heat: the section for the report has the hole, and values between body and hottest bone") {

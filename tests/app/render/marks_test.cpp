@@ -13,6 +13,7 @@
 #include "app/render/overlay.h"
 #include "app/render/tip_slices_picture.h"
 #include "app/view/camera.h"
+#include "core/base/color_ramp.h"
 
 using namespace burrhole;
 
@@ -281,4 +282,34 @@ TEST_CASE("cells: slices are placed in a picture of exactly the size asked for")
   CHECK(image.pixels.size() == 320u * 200u);
   const auto bright = std::ranges::count_if(image.pixels, [](const Rgba8& p) { return p.r == 200 && p.g == 200; });
   CHECK(bright > static_cast<std::ptrdiff_t>(2 * pixels));
+}
+
+TEST_CASE(
+    "color bar: it has the ramp from its lower to its upper end, a tick at each mark and its texts; in small pictures it stays inside") {
+  Image image = blank(600, 450);
+  draw_color_bar(image, {.title = "temperature (C)", .marks = {{0.0, "40"}, {0.5, "50"}, {1.0, "60"}}});
+  const double letter = 9.0, middle = 1.6 * letter + 0.6 * letter, top = 0.3 * 450.0, bottom = 0.7 * 450.0;
+  for (const double share : {0.02, 0.3, 0.5, 0.8, 0.98}) {
+    const Rgba8 pixel = at(image, middle, bottom + share * (top - bottom));
+    const RampColor below = ramp_color(share - 0.006), above = ramp_color(share + 0.006);  // a row is 1/180 of it
+    CHECK(pixel.g >= below.g);
+    CHECK(pixel.g <= above.g);
+  }
+  const auto changed = [&](double x0, double y0, double x1, double y1) {
+    int out = 0;
+    for (double y = y0; y < y1; ++y)
+      for (double x = x0; x < x1; ++x) out += at(image, x, y) == kGrey ? 0 : 1;
+    return out;
+  };
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const double y = bottom + share * (top - bottom);
+    CHECK(changed(3.7 * letter, y - 0.6 * letter, 6.0 * letter, y + 0.6 * letter) > 20);
+  }
+  CHECK(changed(letter, top - 2.2 * letter, 12.0 * letter, top - 0.9 * letter) > 50);  // the title
+  CHECK(changed(3.7 * letter, bottom + 0.25 * (top - bottom) - 3.0, 6.0 * letter, bottom + 0.25 * (top - bottom) + 3.0) == 0);
+  for (const int size : {1, 16, 40}) {
+    Image small = blank(size, size);
+    draw_color_bar(small, {.title = "temperature (C)", .marks = {{0.0, "40"}, {1.0, "60"}}});
+    CHECK(small.pixels.size() == static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  }
 }
