@@ -1,5 +1,6 @@
 #include "app/view/surface_nets.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -45,19 +46,26 @@ class Lattice {
 
   /// @returns the mean of the crossings of a cell's edges, moved onto the surface; nothing without a crossing.
   [[nodiscard]] std::optional<Vec3> crossing(const Vec3i& cell) const noexcept {
+    const std::size_t first = points().offset_of(cell), row = static_cast<std::size_t>(size_.x),
+                      slab = row * static_cast<std::size_t>(size_.y);
+    std::array<double, 8> corner{};
+    unsigned negative = 0;  // corners, as bits
+    for (unsigned n = 0; n < 8; ++n) {
+      corner[n] = static_cast<double>(value_[first + corner_offset(n, row, slab)]);
+      if (!std::isfinite(corner[n])) return std::nullopt;
+      negative |= (corner[n] < 0.0 ? 1u : 0u) << n;
+    }
+    if (negative == 0 || negative == 255) return std::nullopt;
     Vec3 sum(0.0);
     int count = 0;
     for (unsigned n = 0; n < 8; ++n)
       for (unsigned bit : {1u, 2u, 4u}) {
         if ((n & bit) != 0) continue;
-        const Vec3i from = cell + cell_corner(n), to = cell + cell_corner(n | bit);
-        const double a = value(from), b = value(to);
-        if (!std::isfinite(a) || !std::isfinite(b)) return std::nullopt;
+        const double a = corner[n], b = corner[n | bit];
         if ((a < 0.0) == (b < 0.0)) continue;
-        sum += Vec3(from) + a / (a - b) * Vec3(to - from);
+        sum += Vec3(cell + cell_corner(n)) + a / (a - b) * Vec3(cell_corner(n | bit) - cell_corner(n));
         ++count;
       }
-    if (count == 0) return std::nullopt;
     Vec3 p = sum / static_cast<double>(count);
     for (int step = 0; step < 2; ++step) {
       const Vec3 g = gradient(p);
