@@ -14,9 +14,9 @@ namespace {
 constexpr double kMoved = 5e-5;                     // [m] of the tip, above which the next picture shows it
 constexpr std::uint8_t kWet = 255;                  // shine
 constexpr Vec3 kSoaked(0.75, 0.71, 0.66);           // [-] of the colour of dry bone
-constexpr Vec3 kGlint(0.97, 0.98, 1.0);             // of a lamp overhead, mirrored by the crests of ripples
+constexpr Vec3 kGlint(0.93, 0.93, 0.92);            // of a lamp overhead, mirrored by the crests of ripples
 constexpr double kRipple = 2e-5, kRipples = 3.0e3;  // [m], [1/m] of the film
-constexpr double kDull = 0.85, kBright = 0.99;      // [-] of the highest crest, between which glints begin and are full
+constexpr double kDull = 0.75, kBright = 1.05;      // [-] of the highest crest, between which glints begin and would be full
 
 /// Height of the ripples at a point of the surface [-], 0..1.
 double crest(const Vec3& p) {

@@ -56,12 +56,12 @@ void add_row(const Vec3& arm, const Vec3& direction, double weight, Matrix6& mat
   }
 }
 
-/// @returns the Newton step that the forces `left` make.
 /// @returns a unit vector across a unit vector.
 Vec3 across(const Vec3& normal) noexcept {
   return glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.7 ? Vec3(1.0, 0.0, 0.0) : Vec3(0.0, 1.0, 0.0)));
 }
 
+/// @returns the Newton step that the forces `left` make.
 SmallMove way_of(const Matrix6& matrix, const Wrench& left) noexcept {
   const Vector6 d = solve_spd(matrix, {left.force.x, left.force.y, left.force.z, left.torque.x, left.torque.y, left.torque.z});
   return {{d[0], d[1], d[2]}, {d[3], d[4], d[5]}};
