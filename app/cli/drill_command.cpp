@@ -196,8 +196,7 @@ void run_drill(DrillOptions& option, int& exit_code) {
       exit_code = report(free.error());
       return;
     }
-  if (!option.quiet)
-    for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
+  for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
   catch_signals();
   const auto summary = *windowed ? drill_scene_in_window(*loaded, option.window, option.files, option.quiet)
                                  : drill_scene(*loaded, option.files, option.quiet, option.mode);
@@ -282,7 +281,7 @@ void add_drill(CLI::App& app, int& exit_code) {
       ->type_name("TERMS")
       ->join(',');
   command->add_flag("--json", option->json, "print only summary.json on stdout");
-  command->add_flag("--quiet", option->quiet, "no progress on stderr");
+  command->add_flag("--quiet", option->quiet, "no progress and no result on stderr, only warnings and errors");
   command->callback([option, &exit_code] { run_drill(*option, exit_code); });
 }
 

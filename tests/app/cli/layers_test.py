@@ -2,10 +2,12 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM. The scans of $BURRHOLE_DATA are used where they are there; label volumes are written here.
 """
+import contextlib
 import json
 import os
 import pathlib
 import shutil
+import sqlite3
 import struct
 import subprocess
 import tempfile
@@ -90,6 +92,21 @@ ramp_s = 0.2
             hashes.append((summary["hash"]["voxels"], summary["hash"]["forces"], [row["name"] for row in summary["layers"]]))
         self.assertEqual(*hashes)
 
+    def test_a_replay_has_the_same_bits(self):
+        out = self.folder / "out"
+        scene = self.scene('labels = "plate.seg.nrrd"')
+        scene.write_text(scene.read_text() + "[record]\n")
+        result = run("drill", scene, "--out", out, "--json", "--quiet", "--set", "contact.felt_hardness=0.5", "--set", "contact.label_stiffness={outer_table=0.3}")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        hashes = json.loads(result.stdout)["hash"]
+        again = run("replay", out, "--quiet")
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        for name in ("voxels", "forces"):
+            self.assertIn(f"replayed {hashes[name]}  same", again.stdout)
+        # Sabotage: the label volume is another one now.
+        nrrd(self.labels, lambda i, j, k: 1 if k >= 13 else 5 if k >= 7 else 0, self.FIELDS)
+        self.assertEqual(run("replay", out, "--quiet").returncode, 3)
+
     def test_another_grid_and_bad_keys_are_refused_at_their_place_in_one_line(self):
         nrrd(self.folder / "small.nrrd", lambda i, j, k: 1, size=(40, 40, 20))
         nrrd(self.folder / "coarse.nrrd", lambda i, j, k: 1, edge=0.6)
@@ -130,6 +147,27 @@ class Heads(unittest.TestCase):
         phantom = self.layers(DATA / "head_ct_dicom_phantom_1mm")
         self.assertEqual(phantom["layers"], 1)
         self.assertLess(phantom["layered_share"], 0.01)
+
+    def test_a_segmented_head_that_is_felt_is_drilled_replayed_and_predicted(self):
+        """The labels reach the hand by label_stiffness, so forces depend on them."""
+        with tempfile.TemporaryDirectory(prefix="burrhole-layers-") as folder:
+            first = run("drill", "cadaver_head", "--set", 'volume.layers="segment"', "--set", "contact.felt_hardness=0.6", "--set",
+                        "contact.label_stiffness={diploe=0.3}", "--no-pictures", "--force", "--json", "--quiet", "--out", folder)
+            self.assertEqual(first.returncode, 0, first.stderr)
+            drilled = json.loads(first.stdout)
+            again = run("replay", folder, "--quiet")
+            self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+            for name in ("voxels", "forces"):
+                self.assertRegex(again.stdout, rf"{name} +recorded {drilled['hash'][name]}  replayed {drilled['hash'][name]}  same")
+            # Sabotage: the same session without the layers.
+            with contextlib.closing(sqlite3.connect(pathlib.Path(folder) / "session.sqlite")) as session, session:
+                changed = session.execute("UPDATE meta SET value = replace(value, 'segment', 'none') WHERE key = 'scene' AND value LIKE '%segment%'")
+                self.assertEqual(changed.rowcount, 1)
+            self.assertEqual(run("replay", folder, "--quiet").returncode, 3)
+        self.assertEqual([row["name"] for row in drilled["layers"]][:3], ["outer table", "diploe", "inner table"])
+        self.assertIsNotNone(drilled["drilling"]["breakthrough_s"])
+        # As of other scenes (commands_test.py): the labels, and what finds them, are in the prediction.
+        self.assertLess(abs(drilled["memory"]["predicted_bytes"] / drilled["memory"]["peak_bytes"] - 1.0), 0.15, drilled["memory"])
 
 
 if __name__ == "__main__":

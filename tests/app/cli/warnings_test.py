@@ -24,6 +24,21 @@ class NoSpin(WithFolder):
             self.assertEqual(warning in result.stderr, warns, result.stderr)
 
 
+class Quiet(WithFolder):
+    def test_drill_prints_the_same_warnings_with_quiet_and_nothing_else(self):
+        """Walls with a roughness of a voxel are a warning of the plan, a plate that is not drilled through is one of the run."""
+        rough = ("--set", "erosion.subvoxel=false", "--set", "duration_s=0.05", "--offscreen", "--no-pictures", "--force", "--out", self.folder / "out")
+        loud, quiet = run("drill", QUICK, *rough), run("drill", QUICK, *rough, "--quiet")
+        for result in (loud, quiet):
+            self.assertEqual(result.returncode, 0, result.stderr)
+        warned = [line for line in lines(loud.stderr) if ": warning: " in line]
+        self.assertTrue([line for line in warned if "roughness of a voxel" in line], loud.stderr)
+        self.assertEqual(lines(quiet.stderr), warned)
+        self.assertGreater(len(lines(loud.stderr)), len(warned))
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        self.assertEqual([line.split(": warning: ", 1)[1] for line in warned], summary["warnings"])
+
+
 @unittest.skipUnless(PELVIS.is_file() and HEAD.is_dir(), "$BURRHOLE_DATA holds no head, or no pelvis")
 class NoSkull(WithFolder):
     """Dura and brain are drawn under the bone of a scan: that is said where the bone does not close round the site."""
