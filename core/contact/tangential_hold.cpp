@@ -10,6 +10,8 @@
 namespace burrhole {
 namespace {
 
+// [-] of the normal loads: a smaller change ends the rounds. The move that it leaves is kept as the law's residual of this step.
+constexpr double kSameLoad = 1e-6;
 constexpr double kLever = 0.01;  // [m] of pressed points: weighs torques and turns against forces and moves
 
 struct Springs {
@@ -136,7 +138,7 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
                    .dt = step.dt});
     double pressed = 0.0;
     for (const PressedPoint& point : std::span(points.data(), count)) pressed += point.load;
-    const double enough = step.enough * pressed;
+    const double enough = kSameLoad * pressed;
     const Vec3 force = found.on_tool.force - loads_.on_tool.force, torque = found.on_tool.torque - loads_.on_tool.torque;
     const SmallMove change = springs.under({force, torque});
     // When the bound on rounds is reached the loads stay those of the move, so that they balance.

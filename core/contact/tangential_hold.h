@@ -18,12 +18,9 @@
 namespace burrhole {
 
 struct TangentialStep {
-  SmallMove moved;   ///< of the tool since the start of the step, at the pose for which the problem's gaps were measured
-  Vec3 spin{0.0};    ///< [rad/s]
-  double dt = 1e-3;  ///< [s] > 0
-  /// [-] of the normal loads: a smaller change of the tangential load ends the rounds. It stays as the law's residual of this step, which the
-  /// next takes back.
-  double enough = 1e-6;
+  SmallMove moved;      ///< of the tool since the start of the step, at the pose for which the problem's gaps were measured
+  Vec3 spin{0.0};       ///< [rad/s]
+  double dt = 1e-3;     ///< [s] > 0
   int most_rounds = 8;  ///< at least 1
 };
 

@@ -11,8 +11,6 @@ namespace {
 // [m] tolerance of the planes. A plane starts to carry load with at most the effective stiffness times this: 5 to 60 kN/m (coupling and
 // damper over a tick) give 6e-5 N.
 constexpr double kTolerance = 1e-9;
-// [-] of the normal loads: residual of the tangential load, 3 mN under a thrust of 30 N. The next tick takes it back.
-constexpr double kEnough = 1e-4;
 constexpr int kMostRounds = 5;  // bounds the cost of a tick; one to three are usual
 
 /// [m] Gap of a plane after a move, without the compliance of bone.
@@ -123,8 +121,8 @@ Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, c
     // Gaps refer to the sample; the step of the law starts at the current pose of the tool.
     const SmallMove start{sampled.translation - world_from_tool_.translation,
                           rotation_vector(sampled.rotation * glm::conjugate(world_from_tool_.rotation))};
-    move = tangential_.solve(*law, {.moved = start, .spin = local.spin, .dt = dt, .enough = kEnough, .most_rounds = kMostRounds}, problem,
-                             candidates, solver_);
+    move =
+        tangential_.solve(*law, {.moved = start, .spin = local.spin, .dt = dt, .most_rounds = kMostRounds}, problem, candidates, solver_);
     law->end_step({start.translation + move.translation, start.turn + move.turn});
   }
   world_from_tool_.translation = sampled.translation + move.translation;
