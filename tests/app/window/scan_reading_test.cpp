@@ -18,7 +18,7 @@
 #include <new>
 #include <thread>
 
-#include "app/window/start_thread.h"
+#include "app/run/start_thread.h"
 #include "tests/support/temporary_folder.h"
 
 namespace {
