@@ -27,7 +27,7 @@ class FlushToZero {
   unsigned before_ = 0;
 };
 
-/// Locks all current and future memory of the process in RAM until it ends.
+/// Locks all current and future memory of the process in RAM until it ends. Limits the heaps of the process to two from then on.
 class LockedMemory {
  public:
   LockedMemory() noexcept;
