@@ -26,7 +26,10 @@ struct HeatScene {
   int cell_voxels = 2;        ///< [voxels] edge of a cell
   double damage_dose = 16.0;  ///< [min] dose that kills bone: 47 C for 1 min
   std::optional<HeatPictureConfig> picture{};
+  std::string place{};
 };
+
+constexpr double kMostSteps = 100.0;  // [-] of conduction in a step of bone: seconds for each second of a run
 
 class HeatEffect final : public Effect {
  public:
@@ -179,6 +182,7 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
  public:
   explicit HeatPlan(TableReader& table) {
     HeatScene& c = config_;
+    c.place = table.place();
     constexpr double kMm = 1e-3, kPerCubicMillimetre = 1e9;
     c.share = table.number("share", within(c.share, 0.0, 1.0), "share of the cutting work that enters the bone; chips take the rest");
     c.specific_energy =
@@ -235,6 +239,12 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
                        static_cast<double>(config_.cell_voxels);
     auto field = HeatField::create(config_.field, edges, domain_of(drilling_way(stage.config, shape), frame, shape.dims));
     if (!field) return field.error();
+    if (const double steps = stage.bone_period / field->longest_step(); !(steps <= kMostSteps))
+      return Error{ErrorCode::bad_input,
+                   fmt::format("[heat] spreads so fast that a step of bone needs {:.3g} steps of conduction, at most {:g}: increase "
+                               "heat.density_kg_per_m3, heat.capacity_J_per_kg_K, heat.fourier or heat.cell_voxels",
+                               steps, kMostSteps),
+                   config_.place};
     return std::unique_ptr<Effect>(std::make_unique<HeatEffect>(config_, std::move(field).value(), stage));
   }
 

@@ -147,6 +147,29 @@ TEST_CASE("heat: each key changes what it names") {
   CHECK(run("reach_mm = 1\n", "cells") < run("", "cells"));
 }
 
+TEST_CASE("heat: bone in which heat spreads too fast for the steps is refused at the table, and at once") {
+  for (const char* const key :
+       {"density_kg_per_m3 = 1e-9", "capacity_J_per_kg_K = 5e-324", "fourier = 5e-324", "conductivity_W_per_m_K = 1e9"}) {
+    CAPTURE(key);
+    const auto document = TomlDocument::parse(scene_text({}) + "[heat]\n" + key + "\n", "small.toml");
+    REQUIRE(document);
+    Issues issues;
+    const auto loaded = load_scene(*document, test_context(), issues);
+    if (loaded && issues.empty()) CHECK(Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues) == nullptr);
+    REQUIRE(issues.size() == 1);
+    CHECK((issues.front().code == ErrorCode::bad_input || issues.front().code == ErrorCode::out_of_range));
+    CHECK(issues.front().text().starts_with("small.toml:"));
+  }
+  const auto runs = [](const std::string& keys) {
+    Issues issues;
+    const LoadedScene loaded = load_text(scene_text({}) + "[heat]\n" + keys, {});
+    return Simulation::create(loaded.scene, loaded.bone, loaded.tool, {}, issues) != nullptr;
+  };
+  // A step of bone is 20 ms. Of conduction it is fourier h^2 / alpha: 0.25 s by default, so by a factor of 1000 less is 80 steps, and of 2000 160.
+  CHECK(runs("density_kg_per_m3 = 1.81\n"));
+  CHECK_FALSE(runs("density_kg_per_m3 = 0.905\n"));
+}
+
 TEST_CASE("heat: bone that an undo brings back is cold, and the energy stays balanced") {
   DrillRun run(post("[heat]\n", {"duration_s=6.0"}), {.history = true});
   run.run();
