@@ -125,14 +125,15 @@ void report_cut_region(const BoneOptions& options, const BoneGrid& grid, std::ve
 void report_thick_slices(const Scan& scan, const BoneGrid& grid, std::vector<std::string>& assumed) {
   constexpr double kThick = 3e-3;  // [m]
   if (!grid.resampled) return;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double apart = glm::length(scan.bone_from_index.linear[axis]), fine = grid.bone_from_index.mean_edge();
-    if (apart < kThick || apart < 2.0 * fine || scan.dims[axis] < 2) continue;
-    assumed.push_back(
-        fmt::format("slices are {:.1f} mm apart: voxels of {:.2g} mm show no more than they do, and a thin table between two "
-                    "slices is missing",
-                    apart / kMillimetre, fine / kMillimetre));
-  }
+  const double fine = grid.bone_from_index.mean_edge();
+  double apart = 0.0;  // [m] the coarsest
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (scan.dims[axis] > 1) apart = std::max(apart, glm::length(scan.bone_from_index.linear[axis]));
+  if (apart < kThick || apart < 2.0 * fine) return;
+  assumed.push_back(
+      fmt::format("slices are {:.1f} mm apart: voxels of {:.2g} mm show no more than they do, and a thin table between two "
+                  "slices is missing",
+                  apart / kMillimetre, fine / kMillimetre));
 }
 
 // ---- values on the grid, slab by slab ----
