@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include "app/job/drill_job.h"
 #include "app/job/run_folder.h"
 #include "app/stage/result_files.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/export_bone.h"
 
@@ -23,12 +23,6 @@ using namespace burrhole::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE_MESSAGE(file, path.string());
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 LoadedScene scene_of(double seconds) {
   const SmallScene scene{.record = true, .sets = {"hand.standoff_mm=0.2"}};

@@ -12,6 +12,7 @@
 #include "app/job/drill_job.h"
 #include "core/sound/sample16.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -20,12 +21,6 @@ using namespace burrhole::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE(file);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 std::uint32_t number_at(const std::string& bytes, std::size_t at, std::size_t size) {
   std::uint32_t out = 0;
