@@ -13,6 +13,7 @@ namespace burrhole {
 namespace {
 
 constexpr double kWriteBackEvery = 0.1;  // [s]
+constexpr int kKept = 16;                // [voxels] beyond the margin of a window's new place, that the old window keeps
 constexpr double kLeastForce = 1e-6;     // [N] of a contact that has a direction
 // [voxel edges] above kLeastFree of the constrained tool, which stops later on the way to bone
 constexpr double kNear = 2.0;
@@ -156,8 +157,13 @@ Status BoneStep::keep_window(const ErosionPath& path) {
   double share = 1.0;
   while (share > 0.1 && !fits(box(path.at(share), margins_.placed))) share *= 0.8;
   const Affine to = path.at(share);
-  if (voxmap_->window().box.contains(box(to, margins_.least))) return {};
-  return voxmap_->place_window(box(to, margins_.placed));
+  const VoxelBox& window = voxmap_->window().box;
+  if (window.contains(box(to, margins_.least))) return {};
+  // What lies beside the new place stays in the window, so that it does not slide to and fro under a tool that swings.
+  const auto with_old = [&](int beyond) { return box(to, margins_.placed).unite(window.intersect(box(to, margins_.placed + beyond))); };
+  int kept = kKept;
+  while (kept > 0 && !fits(with_old(kept))) kept /= 2;
+  return voxmap_->place_window(kept > 0 ? with_old(kept) : box(to, margins_.placed));
 }
 
 Status BoneStep::place(const Pose& world_from_tool) {

@@ -6,7 +6,8 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kDirections = 24;  // faces of a cube, four sectors each
+constexpr std::size_t kDirections = 24;         // faces of a cube, four sectors each
+constexpr double kLargestTurnStiffness = 1e12;  // [N m/rad] replaces infinity
 static_assert(kDirections <= kMaxLocalPlanes);
 
 /// Index, below kDirections, of a unit vector's sector.
@@ -58,52 +59,26 @@ struct Bundle {
 /// @returns whether a plane resists a small motion through its own compliance.
 bool carries(const HoldPlane& plane) noexcept { return plane.both_ways || plane.force > 0.0; }
 
-/// Lower Cholesky factor of a symmetric positive definite matrix, in place, row by row.
-struct Factor {
-  std::array<std::array<double, kMaxLocalPlanes>, kMaxLocalPlanes> rows;
-  std::size_t size = 0;
-
-  void decompose() noexcept {
-    for (std::size_t i = 0; i < size; ++i)
-      for (std::size_t j = 0; j <= i; ++j) {
-        double sum = rows[i][j];
-        for (std::size_t k = 0; k < j; ++k) sum -= rows[i][k] * rows[j][k];
-        // The yields keep the diagonal positive; rounding with repeated planes must not change that.
-        rows[i][j] = i == j ? std::sqrt(std::max(sum, 1e-30)) : sum / rows[j][j];
-      }
-  }
-  /// Solves L y = x in place.
-  void forward(std::array<Vec3, kMaxLocalPlanes>& x) const noexcept {
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t k = 0; k < i; ++k) x[i] -= rows[i][k] * x[k];
-      x[i] /= rows[i][i];
-    }
-  }
-};
-
 Mat3 coupled_gradient(const LocalContact& local) noexcept {
-  Factor factor;
-  std::array<Vec3, kMaxLocalPlanes> normals{};
-  std::array<const HoldPlane*, kMaxLocalPlanes> loaded{};
+  std::array<HoldPlane, kMaxLocalPlanes> loaded;
+  std::size_t count = 0;
   for (const HoldPlane& plane : local.list())
-    if (carries(plane)) loaded[factor.size++] = &plane;
-  for (std::size_t i = 0; i < factor.size; ++i) {
-    const HoldPlane& a = *loaded[i];
-    normals[i] = a.normal;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const HoldPlane& b = *loaded[j];
-      const double along = glm::dot(a.normal, b.normal);
-      double give =
-          along / local.coupling_stiffness + glm::dot(glm::cross(a.arm, a.normal), glm::cross(b.arm, b.normal)) / local.turn_stiffness;
-      if (a.cutting && b.cutting) give += along / local.cutting_stiffness;
-      if (i == j) give += a.yield;
-      factor.rows[i][j] = give;
-    }
-  }
-  factor.decompose();
-  factor.forward(normals);
+    if (carries(plane)) loaded[count++] = plane;
+  const double spring = local.coupling_stiffness, turn_spring = std::min(local.turn_stiffness, kLargestTurnStiffness);
+  const HoldProblem problem{.stiffness = spring,
+                            .turn_stiffness = turn_spring,
+                            .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : spring};
+  Matrix6 whole = stiffness_of(problem, {loaded.data(), count});
+  for (std::size_t n = 0; n < 6; ++n) whole[n][n] += n < 3 ? spring : turn_spring;
+  factor_spd(whole);
   Mat3 out(0.0);
-  for (std::size_t i = 0; i < factor.size; ++i) out -= glm::outerProduct(normals[i], normals[i]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vector6 pull{};
+    pull[axis] = spring;
+    const Vector6 moved = solve_factored(whole, pull);  // of the tool, for a hand that moves by 1 m
+    out[static_cast<int>(axis)] = spring * Vec3(moved[0], moved[1], moved[2]);
+    out[static_cast<int>(axis)][static_cast<int>(axis)] -= spring;
+  }
   return out;
 }
 

@@ -21,7 +21,8 @@
 
 namespace burrhole {
 
-inline constexpr std::size_t kMaxLocalPlanes = 32;
+/// All planes that carry load, and the nearest of the others. With friction a plane that is left out is a force that is missing.
+inline constexpr std::size_t kMaxLocalPlanes = kMaxHoldPlanes + 16;
 
 enum class LocalKind : std::uint32_t { none, penalty, coupled };
 
@@ -56,7 +57,8 @@ void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, do
                   bool by_place = false) noexcept BH_REALTIME;
 
 /// @returns d force on hand / d position of the hand [N/m], world frame, symmetric and negative semidefinite, for a small motion with a
-/// constant set of loaded planes. Coupled: -N (N^T N / K + turns + Y)^-1 N^T; penalty: -sum of N N^T / yield.
+/// constant set of loaded planes. Coupled: K (K + Kp)^-1 K - K, Kp the stiffness of the planes (stiffness_of()), of which it is the part of
+/// the translation; penalty: -sum of N N^T / yield.
 [[nodiscard]] Mat3 force_gradient(const LocalContact& local) noexcept BH_REALTIME;
 
 }  // namespace burrhole

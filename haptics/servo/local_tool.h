@@ -28,6 +28,8 @@ class LocalTool {
   [[nodiscard]] Wrench step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt,
                             TangentialLaw* law = nullptr) noexcept BH_REALTIME;
 
+  /// Moves the tool to another place, without a displacement over bone.
+  void place(const Pose& world_from_tool) noexcept { world_from_tool_ = world_from_tool; }
   [[nodiscard]] const Pose& world_from_tool() const noexcept { return world_from_tool_; }
 
  private:

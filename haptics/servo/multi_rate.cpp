@@ -7,7 +7,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLongestTurn = 0.1;  // [rad] turn of the hand since the sample: planes turn to first order; the error is 5e-3 of a lever
+constexpr std::size_t kRemembered = 8;  // contact periods, and ticks: results that are older are stale long since (contact_age.h)
+constexpr double kLongestTurn = 0.1;    // [rad] turn of the hand since the sample: planes turn to first order; the error is 5e-3 of a lever
 
 Vec3 bounded(const Vec3& v, double longest) noexcept {
   const double length = glm::length(v);
@@ -53,12 +54,14 @@ void MultiRate::clear() noexcept {
   ticks_ = 0;
   from_ = shown_ = {};
   tool_.clear();
+  trail_.clear();
   spring_.clear();
   if (law_ != nullptr) law_->clear();
 }
 
-void MultiRate::use_tangential_law(TangentialLaw* law) noexcept {
+void MultiRate::use_tangential_law(TangentialLaw* law) {
   law_ = law;
+  trail_.resize(kRemembered * static_cast<std::size_t>(std::max(1, config_.contact_ticks)) + kRemembered);
   clear();
 }
 
@@ -78,9 +81,22 @@ Wrench MultiRate::between(const Wrench& latest, bool renewed) noexcept {
   return shown_;
 }
 
-Wrench MultiRate::pressed_on(const ContactState& latest, const Pose& hand, const Vec3& velocity, bool renewed, double dt) noexcept {
-  if (renewed) tool_.renew(latest, config_.max_distance);
-  return tool_.step(latest, hand, velocity, dt, law_);
+void MultiRate::follow(const ContactState& latest) noexcept {
+  if (followed_ == latest.number) return;
+  const auto drift = trail_.drift(latest);
+  if (!drift) return;
+  followed_ = latest.number;
+  trail_.shift(latest.tick, *drift);
+  tool_.place(ToolTrail::moved(tool_.world_from_tool(), *drift));
+}
+
+Wrench MultiRate::pressed_on(const ContactState& latest, const Pose& near, const HandState& hand, double dt) noexcept {
+  if (law_ == nullptr) return tool_.step(latest, near, hand.velocity, dt);
+  follow(latest);  // a result of an earlier tick
+  const Wrench on_hand = tool_.step(latest, near, hand.velocity, dt, law_);
+  trail_.add(hand.tick, tool_.world_from_tool());
+  follow(latest);  // a result of this tick
+  return on_hand;
 }
 
 Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand, bool renewed, double dt) noexcept {
@@ -89,10 +105,12 @@ Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand,
   const Vec3 moved = bounded(hand.world_from_hand.translation - sampled.translation, config_.max_distance);
   const bool with_untouched = config_.scheme == MultiRateScheme::planes;
   if (with_untouched && local.kind == LocalKind::coupled) {
-    const Wrench on_hand = pressed_on(latest, near_sample(sampled, hand.world_from_hand, moved), hand.velocity, renewed, dt);
+    if (renewed) tool_.renew(latest, config_.max_distance);
+    const Wrench on_hand = pressed_on(latest, near_sample(sampled, hand.world_from_hand, moved), hand, dt);
     if (local.count > 0) return on_hand;
   } else {
     tool_.clear();  // its pose would be out of date
+    trail_.clear();
   }
   if (local.kind == LocalKind::none || local.count == 0) return along_gradient(latest, moved);
   if (renewed) {

@@ -5,7 +5,8 @@
 ///             latency.
 ///   gradient  [AcostaLiu07] eq. (3), F = f + grad f . (x - x_sample), evaluated per plane; each plane only pushes.
 ///   planes    the local model of all listed planes, also those without load. Penalty: the same sum over all planes. Coupled: a tool of its
-///             own at the servo's rate (local_tool.h).
+///             own at the servo's rate (local_tool.h). With a tangential law it takes the place of the tool of each new result, at the
+///             tick of that result (tool_trail.h).
 ///   Where a state lists no planes, the last two schemes use its force_gradient and remove any component opposite to the sampled force.
 ///   Source  the clamps, the bound and `planes` are own derivations; docs/servo.md lists the maximum stable stiffness of each scheme.
 #pragma once
@@ -18,6 +19,7 @@
 #include "haptics/hand/hand_source.h"
 #include "haptics/servo/local_tool.h"
 #include "haptics/servo/plane_loads.h"
+#include "haptics/servo/tool_trail.h"
 
 namespace burrhole {
 
@@ -45,8 +47,9 @@ class MultiRate {
   /// first evaluation (number 0) it returns the wrench of the state.
   [[nodiscard]] Wrench operator()(const ContactState& latest, const HandState& hand, double dt) noexcept BH_REALTIME;
   /// Sets a law of tangential loads, such as friction, for the last two schemes, evaluated at the servo's rate; null: none. Not owned; it
-  /// must not be the instance that contact uses. The other two schemes output the tangential loads of contact. Do not call during a tick.
-  void use_tangential_law(TangentialLaw* law) noexcept;
+  /// must not be the instance that contact uses. The other two schemes output the tangential loads of contact. Do not call during a tick:
+  /// allocates.
+  void use_tangential_law(TangentialLaw* law);
   /// Clears all past states.
   void clear() noexcept BH_REALTIME;
 
@@ -55,7 +58,9 @@ class MultiRate {
   [[nodiscard]] Wrench extrapolate(const ContactState& latest, const HandState& hand, bool renewed, double dt) noexcept;
   /// Extrapolates the normal loads by the planes, and adds the tangential loads of the law for them.
   [[nodiscard]] Wrench extrapolate_loads(const ContactState& latest, const Pose& hand, const Vec3& moved, double dt) noexcept;
-  [[nodiscard]] Wrench pressed_on(const ContactState& latest, const Pose& hand, const Vec3& velocity, bool renewed, double dt) noexcept;
+  [[nodiscard]] Wrench pressed_on(const ContactState& latest, const Pose& near, const HandState& hand, double dt) noexcept;
+  /// Moves the servo's tool by its drift from the tool of a new result, once per result and as soon as the tick of the result is there.
+  void follow(const ContactState& latest) noexcept;
 
   MultiRateConfig config_;
   std::uint64_t number_ = 0;  // number of the last state used
@@ -63,6 +68,8 @@ class MultiRate {
   Wrench from_, shown_;       // for the scheme `linear`
   PlaneLoads loads_;
   LocalTool tool_;
+  ToolTrail trail_;
+  std::uint64_t followed_ = 0;  // number of the result that the tool follows
   TangentialLaw* law_ = nullptr;
   TangentialSpring spring_;  // for penalty planes, and for coupled ones in the scheme `gradient`
 };

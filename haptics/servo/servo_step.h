@@ -106,7 +106,7 @@ class ServoStep {
   [[nodiscard]] const HandState& hand() const noexcept { return output_.hand; }  ///< of the last sense()
   [[nodiscard]] const ServoOutput& output() const noexcept { return output_; }   ///< of the last act()
   /// As MultiRate::use_tangential_law(). Call it while the servo is parked.
-  void use_tangential_law(TangentialLaw* law) noexcept { multi_rate_.use_tangential_law(law); }
+  void use_tangential_law(TangentialLaw* law) { multi_rate_.use_tangential_law(law); }
   [[nodiscard]] std::uint32_t faults() const noexcept { return faults_; }
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
   /// [N] Largest magnitude of ServoOutput::force since construction.

@@ -150,9 +150,11 @@ TEST_CASE("real time: the tool that triangles constrain, with its planes at the 
 }
 
 TEST_CASE("real time: friction in every form of contact, at contact's rate and at the servo's") {
-  covers("core/contact/tangential_law.h: loads", "core/contact/tangential_law.h: end_step", "core/contact/friction.h: loads",
-         "core/contact/friction.h: end_step", "core/contact/tangential_hold.h: solve", "core/contact/tangential_spring.h: list_pressed",
-         "core/contact/tangential_spring.h: step", "haptics/servo/plane_loads.h: pressed");
+  covers("core/contact/tangential_law.h: loads", "core/contact/tangential_law.h: end_step", "haptics/servo/tool_trail.h: clear",
+         "haptics/servo/tool_trail.h: add", "haptics/servo/tool_trail.h: drift", "haptics/servo/tool_trail.h: shift",
+         "core/contact/friction.h: loads", "core/contact/friction.h: end_step", "core/contact/tangential_hold.h: solve",
+         "core/contact/tangential_spring.h: list_pressed", "core/contact/tangential_spring.h: step",
+         "haptics/servo/plane_loads.h: pressed");
   const std::vector<std::string> rubs{"friction.static_coefficient=0.4", "contact.rate_hz=200"};
   check_clean(drive(load_small(pressed(kHeldKeys, rubs))));
   for (const char* coupling : {"none", "virtual"}) {

@@ -33,11 +33,13 @@ class Loop {
         multi_rate_({.scheme = scheme, .contact_ticks = kEvery}) {
     multi_rate_.use_tangential_law(&at_servo_);
   }
-  Wrench tick(const HandState& hand) {
+  Wrench tick(HandState hand) {
     if (tick_ == 0) model_->place(hand.world_from_hand);
+    hand.tick = tick_;
     if (tick_++ % kEvery == 0) {
       const BoneView bone = plate_bone().view();
       model_->step({.bone = bone, .hand = hand, .dt = kEvery * kTick, .added = {.tangential = &at_contact_}}, state_);
+      state_.tick = hand.tick;
       ++state_.number;
     }
     return multi_rate_(state_, hand, kTick);
@@ -48,7 +50,7 @@ class Loop {
   Friction at_contact_, at_servo_;
   MultiRate multi_rate_;
   ContactState state_;
-  int tick_ = 0;
+  std::uint64_t tick_ = 0;
 };
 
 /// Largest share of the cone that the servo's force has while a hand rubs to and fro.

@@ -75,7 +75,7 @@ TEST_CASE(
   for (const MultiRateScheme scheme : {MultiRateScheme::gradient, MultiRateScheme::planes})
     for (std::uint64_t seed = 100; seed < 120; ++seed) {
       MultiRate rate(config_of(scheme));
-      ContactState state = random_penalty(seed, 1 + seed % kMaxLocalPlanes);
+      ContactState state = random_penalty(seed, 1 + static_cast<std::uint32_t>(seed % kMaxLocalPlanes));
       if (state.on_hand.force == Vec3(0.0)) continue;
       state.on_hand.torque = test::random_vector(seed, 7);
       if (seed % 2 == 0) state.on_hand.force *= 0.37;  // a model's cap

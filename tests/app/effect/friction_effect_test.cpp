@@ -1,0 +1,153 @@
+// [friction] in a scene: the hand feels the friction that contact finds, what each key changes, slow contact, replay.
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr double kThrust = 28.0, kStatic = 0.37;      // [N], [-] of the scene
+constexpr double kCoupling = 5000.0, kPeriod = 1e-3;  // [N/m], [s] of the scene
+constexpr std::size_t kWindow = 100;                  // ticks over which forces are averaged
+constexpr double kTicksOfBone = 20.0;                 // servo ticks in a bone step
+
+/// The force that the hand feels, and how far it is from that of contact across the shaft, in lockstep with a result in each tick.
+struct Felt {
+  double largest = 0.0;     // [N] of all forces on the hand
+  double most_apart = 0.0;  // [N] largest mean difference of a window
+  double most_over = 0.0;   // [-] the same over its bound
+};
+
+Felt felt_of(const std::vector<std::string>& sets) {
+  LoadedScene loaded = load_parietal(sets);
+  Simulation* simulation = nullptr;
+  Felt out;
+  Vec3 apart(0.0);
+  double moved = 0.0;
+  std::size_t ticks = 0;
+  WatchedHand hand(loaded, [&] {
+    const ServoOutput& servo = simulation->stage().servo->output();
+    const ContactState& contact = simulation->contact_state();
+    if (contact.number == 0) return;
+    apart += servo.wanted - contact.on_hand.force;
+    moved += glm::length(contact.hand_velocity) * kPeriod;
+    out.largest = std::max(out.largest, glm::length(servo.force));
+    if (++ticks % kWindow != 0) return;
+    apart.z = 0.0;
+    const double mean = glm::length(apart) / kWindow;
+    // Both tools were in one place a tick before, and in a tick neither moves farther than the hand. The planes are tangents of bone: a tool
+    // that moves 0.1 mm round 1 mm leaves them by 5 um. In the tick after a step of bone the planes are others, and friction may point
+    // anywhere in its cone.
+    const double bound = 2.0 * kCoupling * (moved / kWindow + 5e-6) + 2.0 * kStatic * kThrust / kTicksOfBone;
+    out.most_apart = std::max(out.most_apart, mean);
+    out.most_over = std::max(out.most_over, mean / bound);
+    apart = Vec3(0.0);
+    moved = 0.0;
+  });
+  SimulationOptions options;
+  options.hand = &hand;
+  DrillRun run(std::move(loaded), options);
+  simulation = &run.simulation();
+  run.run();
+  REQUIRE(ticks > 1000);
+  return out;
+}
+
+/// [N m] Mean moment about the shaft, from 5 to 6 s, of a drill that is pressed on bone.
+double drag_of(const std::string& coefficients) {
+  LoadedScene loaded = load_parietal({"friction=" + coefficients, "duration_s=6"});
+  Simulation* simulation = nullptr;
+  double sum = 0.0;
+  int count = 0;
+  WatchedHand hand(loaded, [&] {
+    const ContactState& contact = simulation->contact_state();
+    if (contact.tick < 5000) return;
+    sum += contact.on_hand.torque.z;
+    ++count;
+  });
+  SimulationOptions options;
+  options.hand = &hand;
+  DrillRun run(std::move(loaded), options);
+  simulation = &run.simulation();
+  run.run();
+  return sum / count;
+}
+
+/// A ball that does not turn, pressed on a level plate along an axis 15.07 degrees off its normal: 0.269 of the load pushes it aside.
+struct Pressed {
+  double aside;  // [m] of the tool from where the axis meets the plate
+  double share;  // [-] of the normal force
+};
+Pressed press_aside(const std::string& coefficients) {
+  DrillRun run(SmallScene{.sets = {"tool.name=ball", "tool.spin_rpm=0", "approach.axis=[-0.25,-0.1,-1.0]", "hand.push_N=20",
+                                   "hand.tremor_mm=0", "duration_s=3", "friction=" + coefficients}});
+  run.run();
+  const ContactState& contact = run.simulation().contact_state();
+  const Vec3& at = contact.world_from_tool.translation;
+  const Vec3 force = contact.on_hand.force;
+  return {std::hypot(at.x, at.y), std::hypot(force.x, force.y) / force.z};
+}
+
+}  // namespace
+
+TEST_CASE("friction: the hand feels the friction of contact, and the drill does not walk round its hole") {
+  const Felt felt = felt_of({"friction={}", "duration_s=10"});
+  std::printf("friction: largest force %.2f N; servo and contact differ by up to %.3f N in 0.1 s, %.2f of the bound\n", felt.largest,
+              felt.most_apart, felt.most_over);
+  CHECK(felt.most_over < 1.0);
+  CHECK(felt.largest < 1.1 * kThrust);  // a tool of the servo that goes its own way is met by the hand with up to 70 N
+}
+
+TEST_CASE("friction: the moment of the drag on the shaft is in proportion to the kinetic coefficient") {
+  const double whole = drag_of("{static_coefficient=0.3,kinetic_coefficient=0.3}");
+  const double half = drag_of("{static_coefficient=0.3,kinetic_coefficient=0.15}");
+  const double stiff = drag_of("{static_coefficient=0.6,kinetic_coefficient=0.3}");
+  std::printf("friction: drag %.4f N m, %.4f at half the coefficient\n", whole, half);
+  CHECK(std::abs(whole) > 1e-3);  // of 28 N: an arm above 0.1 mm
+  // mu N r, with the same load. The places that carry it are those of a hole cut in voxels: 3 % is a tenth of a voxel of 0.25 mm over an arm of 1 mm.
+  CHECK(std::abs(half / whole - 0.5) < 0.5 * 0.03);
+  CHECK(std::abs(stiff / whole - 1.0) < 0.03);  // a rim that slides knows no static friction
+}
+
+TEST_CASE("friction: a tool that is pushed aside with 0.269 of its load stays below the static coefficient, and slides above it") {
+  const double tilt = std::hypot(0.25, 0.1);
+  const Pressed held = press_aside("{static_coefficient=0.37,kinetic_coefficient=0.3}");
+  const Pressed slid = press_aside("{static_coefficient=0.2,kinetic_coefficient=0.1}");
+  std::printf("friction: pushed aside by %.3f: stays at %.4f mm with %.4f; slides to %.3f mm\n", tilt, held.aside * 1e3, held.share,
+              slid.aside * 1e3);
+  CHECK(held.aside < 0.1e-3);  // the foot of the axis, and the ball's side
+  CHECK(std::abs(held.share - tilt) < 0.02 * tilt);
+  CHECK(slid.aside > 1e-3);  // until the arm's spring, 1 N/mm, carries 0.07 to 0.17 of 20 N
+  CHECK(slid.share < 0.2);
+}
+
+TEST_CASE("friction: contact at 1000 to 20 Hz, at rest and at ten times the speed: no latched fault, and no force beyond twice the thrust") {
+  for (const char* rate : {"1000", "200", "50", "20"})
+    for (const char* spin : {"0", "1000", "10000"}) {
+      CAPTURE(rate);
+      CAPTURE(spin);
+      DrillRun run(SmallScene{.sets = {"tool.name=pin", std::string("contact.rate_hz=") + rate, std::string("tool.spin_rpm=") + spin,
+                                       "hand.push_N=10", "duration_s=6", "friction={}"}});
+      run.run();
+      CHECK(run.simulation().progress().peak_force < 20.0);
+      CHECK((run.simulation().stage().servo->faults() & kServoLatched) == 0);
+    }
+}
+
+TEST_CASE("friction: a replay has the same bits") {
+  const TemporaryFolder folder;
+  DrillRun run(SmallScene{.record = true, .sets = {"tool.name=pin", "hand.push_N=10", "duration_s=6", "friction={}"}});
+  run_recorded(run, folder.file("friction.bhs"));
+  ReplayRun again(folder.file("friction.bhs"));
+  CHECK(again.run().voxel_hash() == run.voxel_hash());
+  CHECK(again.run().simulation().force_hash() == run.simulation().force_hash());
+  CHECK(again.run().simulation().sent_hash() == run.simulation().sent_hash());
+}
+
+}  // namespace burrhole::test
