@@ -240,6 +240,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       taken->drill_stopped();
       taken->bone_ahead(n % 2 == 0);
       taken->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
+      taken->added_force(Vec3(0.0, 0.0, 0.1));
       taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
@@ -252,6 +253,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
         source->drill_stopped();
         source->bone_ahead(n % 2 == 0);
         source->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
+        source->added_force(Vec3(0.0, 0.0, 0.1));
       }
     }
   });
