@@ -208,7 +208,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/hand/taken_hand.h: bone_ahead", "haptics/device/device_hand.h: drill_stopped",
          "haptics/hand/hand_source.h: drill_stopped", "haptics/hand/simulated_hand.h: drill_stopped",
          "haptics/hand/taken_hand.h: drill_stopped", "haptics/device/device_hand.h: drill_at", "haptics/hand/hand_source.h: drill_at",
-         "haptics/hand/simulated_hand.h: drill_at", "haptics/hand/taken_hand.h: drill_at");
+         "haptics/hand/simulated_hand.h: drill_at", "haptics/hand/taken_hand.h: drill_at", "haptics/device/device_hand.h: added_force",
+         "haptics/hand/hand_source.h: added_force", "haptics/hand/simulated_hand.h: added_force", "haptics/hand/taken_hand.h: added_force");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
