@@ -74,6 +74,10 @@ class ScriptedDeviceHand final : public HandSource {
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
   void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
   void drill_at(const Vec3& drill) noexcept BH_REALTIME override { script_.drill_at((world_from_approach_.inverse() * drill).z); }
+  void watch_drill() noexcept override { script_.watch_drill(); }
+  void added_force(const Vec3& force) noexcept BH_REALTIME override {
+    if (feels_) script_.added_force((glm::conjugate(world_from_approach_.rotation) * force).z);
+  }
 
  private:
   ScriptedDeviceHand(SimulatedDevice& device, const DeviceHand& hand, const DeviceMap& map, const HandScript& script,

@@ -52,6 +52,8 @@ void HandScript::scene_changed(double softest) noexcept {
   drive_changed();
 }
 
+void HandScript::watch_drill() noexcept { config_.watches_drill = pushed_ = config_.cut_compliance > 0.0 && config_.exit_drop < 1.0; }
+
 Vec3 HandScript::tremor() const noexcept {
   const double t = static_cast<double>(tick_) * period_;
   // Two axes with slightly different frequencies and seeded phases, so that the path is not a line.
@@ -66,17 +68,18 @@ const HandGoal& HandScript::advance(double felt, double height, double climb) no
   const double change = (-climb - speed_) * std::min(1.0, period_ / kFilter);
   speed_ += change;
   lacks_ = mass_ * change / period_;
-  follow(felt, height, climb);
+  follow(felt - added_, height, climb);
+  added_ = 0.0;
   goal_.rest = Vec3(0.0, 0.0, goal_height_) + tremor();
   ++tick_;
   return goal_;
 }
 
-void HandScript::follow(double felt, double height, double climb) noexcept {
+void HandScript::follow(double carried, double height, double climb) noexcept {
   switch (phase_) {
     case HandPhase::approach:
       goal_height_ -= config_.feed * period_;
-      if (felt > config_.contact_force) {
+      if (carried > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
         lowest_ = height;
@@ -84,10 +87,10 @@ void HandScript::follow(double felt, double height, double climb) noexcept {
       break;
     case HandPhase::lean:
     case HandPhase::give_felt:
-      lean(felt, height, climb);
+      lean(carried, height, climb);
       break;
     case HandPhase::release:
-      release(felt, height);
+      release(carried, height);
       break;
     case HandPhase::withdraw:
       goal_height_ += 2.0 * config_.feed * period_;
@@ -102,12 +105,12 @@ void HandScript::follow(double felt, double height, double climb) noexcept {
   }
 }
 
-void HandScript::release(double felt, double height) noexcept {
+void HandScript::release(double carried, double height) noexcept {
   // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
   const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
   goal_.thrust = release_thrust_ * std::max(0.0, left);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  if (left > kLastPart) carried_ = felt > 0.5 * goal_.thrust;
+  if (left > kLastPart) carried_ = carried > 0.5 * load();
   if (left > 0.0) return;
   if (!(config_.resumes && gave_ && carried_ && ahead_)) {
     phase_ = HandPhase::withdraw;
@@ -120,18 +123,18 @@ void HandScript::release(double felt, double height) noexcept {
   drive_changed();
 }
 
-bool HandScript::loses_bone(double felt) noexcept {
+bool HandScript::loses_bone(double carried) noexcept {
   const double rough = goal_.thrust < config_.push ? config_.rough_drop : 0.0;
-  const double most = std::max(kPartOfDrop * config_.exit_drop * goal_.thrust, rough);
+  const double most = std::max(kPartOfDrop * config_.exit_drop * load(), rough);
   if (held_) return config_.detects && (config_.watches_drill ? face_falls(rough) : lacks_ > most);
-  const bool steady = std::abs(lacks_) < most && felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages;
+  const bool steady = (pushed_ || std::abs(lacks_) < most) && carried > 0.5 * load() && seconds_since(drive_tick_) > kEngages;
   steady_ticks_ = steady ? steady_ticks_ + 1 : 0;
   held_ = static_cast<double>(steady_ticks_) * period_ > kSettles;
   return false;
 }
 
-void HandScript::watch_face(double felt) noexcept {
-  face_ = drill_ + felt * config_.cut_compliance;
+void HandScript::watch_face(double carried) noexcept {
+  face_ = drill_ + carried * config_.cut_compliance;
   face_before_ = held_ ? face_before_ + (face_ - face_before_) * std::min(1.0, period_ / kSmooth) : face_;
 }
 
@@ -139,12 +142,12 @@ void HandScript::watch_face(double felt) noexcept {
 /// @param rough [N] drop of the force that does not count; over the stiffness of the coupling it is a depth.
 bool HandScript::face_falls(double rough) const noexcept {
   const double rough_depth = rough * config_.cut_compliance * (1.0 / config_.exit_drop - 1.0);
-  return face_before_ - face_ > std::max(kPartOfEngagement * goal_.thrust * config_.cut_compliance, rough_depth);
+  return face_before_ - face_ > std::max(kPartOfEngagement * load() * config_.cut_compliance, rough_depth);
 }
 
-bool HandScript::feels_nothing(double felt, double height, double climb) noexcept {
+bool HandScript::feels_nothing(double carried, double height, double climb) noexcept {
   // A hand that a strong damper throws back feels nothing either, nor does it feel an impact before contact has answered.
-  if (starts_anew_ || felt > kNothing * config_.contact_force || climb >= 0.0 || height >= lowest_) {
+  if (starts_anew_ || carried > kNothing * config_.contact_force || climb >= 0.0 || height >= lowest_) {
     lowest_ = starts_anew_ ? height : std::min(lowest_, height);
     lowest_tick_ = tick_;
     starts_anew_ = false;
@@ -160,15 +163,16 @@ bool HandScript::runs_ahead(double height) noexcept {
     return false;
   }
   smooth_ += (height - smooth_) * std::min(1.0, period_ / kSmooth);
-  return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * goal_.thrust * config_.cut_compliance), period_) > config_.softest;
+  return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * load() * config_.cut_compliance), period_) > config_.softest;
 }
 
-void HandScript::lean(double felt, double height, double climb) noexcept {
+void HandScript::lean(double carried, double height, double climb) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * least_jerk(ramp);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  if (config_.watches_drill) watch_face(felt);
-  const bool lost = loses_bone(felt), ahead = runs_ahead(config_.watches_drill ? face_ : height), none = feels_nothing(felt, height, climb);
+  if (config_.watches_drill) watch_face(carried);
+  const bool lost = loses_bone(carried), ahead = runs_ahead(config_.watches_drill ? face_ : height),
+             none = feels_nothing(carried, height, climb);
   if (phase_ == HandPhase::lean && (lost || ahead || none || stopped_)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;
@@ -177,7 +181,7 @@ void HandScript::lean(double felt, double height, double climb) noexcept {
   if (!reacts && -height < config_.reach) return;
   phase_ = HandPhase::release;
   gave_ = reacts;
-  carried_ = felt > 0.5 * goal_.thrust;
+  carried_ = carried > 0.5 * load();
   release_tick_ = tick_;
   release_thrust_ = goal_.thrust;
 }

@@ -1,17 +1,20 @@
 /// haptics/hand/hand_script.h: the goal of a surgeon's hand at each servo tick of a burrhole, computed from the felt force and the motion:
 ///   approach, lean, detect breakthrough, release, lean again or withdraw. A simulated hand, or the hand on a simulated device, follows the goal.
+///   The force that bone carries is what the drill exerts on the hand: the felt force without what effects add to it (added_force()). The load is
+///   the thrust less that addition.
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
 ///   The thrust rises along the path of least jerk, as a person's does [FlashHogan85]. A linear ramp ends in a kink, which makes a hand on
 ///   a soft coupling oscillate.
 ///   Breakthrough is detected while the hand leans on the drill, by any of three rules (docs/inputs.md):
 ///     Force     The hand is accelerated into bone by more than a third of the force that bone ceases to carry at the exit, exit_drop times
-///               the thrust. While bone carries the thrust, the hand is hardly accelerated. The force is m dv/dt, low-pass filtered with
-///               5 ms; until the thrust is full it must exceed rough_drop too. The rule acts once bone has carried the thrust for 0.1 s,
+///               the load. While bone carries the load, the hand is hardly accelerated. The force is m dv/dt, low-pass filtered with
+///               5 ms; until the thrust is full it must exceed rough_drop too. The rule acts once bone has carried the load for 0.1 s,
 ///               beginning at least 0.5 s after a change of the drive. With watches_drill the rule is
 ///               another: the face of bone that carries the drill, at the height of the drill plus force / K_cut, falls by more than half of
-///               the engaged depth within about 25 ms. A softer coupling takes force off the hand, but that face stays where it is.
-///     No force  The hand has felt less than a tenth of contact_force for 5 ms and is 0.15 mm deeper than it ever felt bone. The rule acts
-///               at any thrust.
+///               the engaged depth within about 25 ms. A softer coupling takes force off the hand, and an added force shakes it, but that face
+///               stays where it is.
+///     No force  Bone has carried less than a tenth of contact_force for 5 ms, and the hand is 0.15 mm deeper than bone ever carried it. The
+///               rule acts at any thrust.
 ///     Feed      The feed over three quarters of the engaged depth, at least 0.15 mm, exceeds `softest` times the usual feed
 ///               (feed_memory.h). This finds an exit at a thin or oblique rim, where bone ends gradually and no force is missing. The rule
 ///               acts at full thrust, while the force rule acts. With watches_drill it is the feed of that face, otherwise the hand's.
@@ -23,6 +26,7 @@
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -42,8 +46,8 @@ struct HandScriptConfig {
   double release = 0.3;        ///< [s] over which the thrust falls to zero after the release begins
   double contact_force = 1.0;  ///< [N] force on the hand that counts as contact
   /// The rules of force and feed follow the drill, not the hand. Needed where the stiffness of the coupling between the two changes, as with
-  /// felt hardness: softer bone then takes force off the hand, and lets it advance, while the drill stays on bone. Needs cut_compliance and an
-  /// exit_drop below 1.
+  /// felt hardness: softer bone then takes force off the hand, and lets it advance, while the drill stays on bone; and where effects push the
+  /// hand: watch_drill(). Needs cut_compliance and an exit_drop below 1.
   bool watches_drill = false;
   bool detects = true;  ///< false: breakthrough is not detected, and the thrust ends at `reach`
   bool resumes = true;  ///< false: after the release the script withdraws, whatever is left ahead of the tip
@@ -100,18 +104,27 @@ class HandScript {
   void drill_at(double height) noexcept {
     if (std::isfinite(height)) drill_ = height;
   }
+  /// As HandSource::watch_drill(): sets watches_drill where the script knows what that needs.
+  void watch_drill() noexcept;
+  /// As HandSource::added_force(), for the next advance() alone. @param force [N] along +z, contained in its `felt`; ignored if not finite.
+  void added_force(double force) noexcept {
+    if (std::isfinite(force)) added_ = force;
+  }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
  private:
   HandScript(const HandScriptConfig& config, double mass, double period);
-  void follow(double felt, double height, double climb) noexcept;
-  void lean(double felt, double height, double climb) noexcept;
-  void release(double felt, double height) noexcept;
-  [[nodiscard]] bool loses_bone(double felt) noexcept;
-  [[nodiscard]] bool feels_nothing(double felt, double height, double climb) noexcept;
-  void watch_face(double felt) noexcept;
+  // In these, carried is the force that bone carries [N].
+  void follow(double carried, double height, double climb) noexcept;
+  void lean(double carried, double height, double climb) noexcept;
+  void release(double carried, double height) noexcept;
+  [[nodiscard]] bool loses_bone(double carried) noexcept;
+  [[nodiscard]] bool feels_nothing(double carried, double height, double climb) noexcept;
+  void watch_face(double carried) noexcept;
+  /// @returns the force [N] that bone carries while the hand is at rest.
+  [[nodiscard]] double load() const noexcept { return std::max(0.0, goal_.thrust - added_); }
   [[nodiscard]] bool face_falls(double rough) const noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
@@ -124,6 +137,8 @@ class HandScript {
   double goal_height_ = 0.0;  // [m] rest position of the arm along the axis
   double speed_ = 0.0;        // [m/s] of the hand into bone, low-pass filtered with 5 ms
   double lacks_ = 0.0;        // [N] force that accelerates the hand into bone: mass x change of speed_
+  double added_ = 0.0;        // [N] of the felt force, by effects
+  bool pushed_ = false;       // effects push the hand: that it is accelerated says nothing of bone
   double smooth_ = 0.0;       // [m] height, low-pass filtered with 25 ms
   double drill_ = 0.0;        // [m] height of the drill
   double face_ = 0.0;         // [m] height of the drill less its engagement: where the bone that carries it begins

@@ -59,9 +59,14 @@ class HandSource {
   /// Called once per tick before apply(). @param left whether bone is left on the planned axis ahead of the tip: what a surgeon sees, or feels
   /// with a probe, in the hole.
   virtual void bone_ahead(bool left) noexcept BH_REALTIME { static_cast<void>(left); }
-  /// Called once per tick before apply(). @param drill [m] place of the drill in the newest contact result, world: what a surgeon sees and
-  /// holds. The coupling between hand and drill may become softer or harder, and then the two do not move alike.
+  /// Called once per tick before apply(). @param drill [m] place of the drill in the newest contact result, in the world in which the bone is at
+  /// rest: what a surgeon sees and holds. The coupling between hand and drill may become softer or harder, and then the two do not move alike.
   virtual void drill_at(const Vec3& drill) noexcept BH_REALTIME { static_cast<void>(drill); }
+  /// Called before the first tick of a run in which effects push the hand, such as a guidance: added_force().
+  virtual void watch_drill() noexcept {}
+  /// Called before apply() in each tick in which effects push the hand. @param force [N] world: their part of the force that apply() gives. The
+  /// rest is the drill's, which lies in the hand the deeper the harder bone presses it there, whatever else pushes the hand.
+  virtual void added_force(const Vec3& force) noexcept BH_REALTIME { static_cast<void>(force); }
 };
 
 }  // namespace burrhole

@@ -40,4 +40,8 @@ void TakenHand::drill_at(const Vec3& drill) noexcept {
   if (!taken_) script_.drill_at(drill);
 }
 
+void TakenHand::added_force(const Vec3& force) noexcept {
+  if (!taken_) script_.added_force(force);
+}
+
 }  // namespace burrhole

@@ -21,6 +21,8 @@ class TakenHand final : public HandSource {
   void scene_changed(double softest) noexcept override;
   void bone_ahead(bool left) noexcept BH_REALTIME override;
   void drill_at(const Vec3& drill) noexcept BH_REALTIME override;
+  void watch_drill() noexcept override { script_.watch_drill(); }
+  void added_force(const Vec3& force) noexcept BH_REALTIME override;
 
  private:
   TakenHand(const SimulatedHand& script, const GoalHand& user, GoalMailbox& goals) : script_(script), user_(user), goals_(&goals) {}

@@ -230,7 +230,8 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   output_.gain = gain_.gain();
   output_.faults = faults_;
   ++counts_.ticks;
-  if (contact.number > 0) hand_->drill_at(contact.world_from_tool.translation);
+  if (contact.number > 0) hand_->drill_at(contact.bone.world_from_rest.inverse() * contact.world_from_tool.translation);
+  if (added != Vec3(0.0)) hand_->added_force(added * output_.gain);
   hand_->apply({output_.force, Vec3(0.0)});
   return output_;
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/support/scene_hand.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -107,22 +108,7 @@ DrillRun& DrillRun::run() {
   return *this;
 }
 
-namespace {
-
-SimulatedHand make_hand(const LoadedScene& loaded) {
-  const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
-  REQUIRE(approach);
-  const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
-  auto hand = SimulatedHand::create(
-      hand_config(loaded.scene, loaded.scene.effects.needs(loaded.scene), loaded.tool, loaded.bone->bone_from_index().mean_edge()),
-      world_from_approach, 1.0 / loaded.scene.servo_hz);
-  REQUIRE(hand);
-  return std::move(*hand);
-}
-
-}  // namespace
-
-WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(make_hand(loaded)), watch_(std::move(watch)) {}
+WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(scene_hand(loaded)), watch_(std::move(watch)) {}
 
 ReplayRun::ReplayRun(const std::string& path, SimulationOptions options) {
   auto session = SessionReader::open(path);

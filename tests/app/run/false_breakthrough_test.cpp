@@ -9,9 +9,8 @@
 #include <functional>
 
 #include "app/lab/drilling_bits.h"
-#include "app/stage/stage.h"
-#include "core/measure/approach.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/scene_hand.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -41,21 +40,17 @@ standoff_mm = 1
 
 /// @returns whether the default hand drills through before it withdraws. @param sabotage takes from what the hand knows.
 bool drills_through(LoadedScene loaded, const Sabotage& sabotage = {}) {
-  const Scene& scene = loaded.scene;
-  const auto approach = make_approach(*loaded.bone, scene.approach);
-  REQUIRE(approach);
-  HandConfig config = hand_config(scene, scene.effects.needs(scene), loaded.tool, loaded.bone->bone_from_index().mean_edge());
-  config.resumes = false;  // a hand that checks the hole drills on
-  if (sabotage) sabotage(config);
-  auto hand = SimulatedHand::create(config, scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
-  REQUIRE(hand);
+  SimulatedHand hand = scene_hand(loaded, [&](HandConfig& config) {
+    config.resumes = false;  // a hand that checks the hole drills on
+    if (sabotage) sabotage(config);
+  });
   SimulationOptions options;
-  options.hand = &*hand;
+  options.hand = &hand;
   DrillRun run(std::move(loaded), options);
   run.run();
   double deepest = 0.0;
   for (const RunSample& sample : run.simulation().samples()) deepest = std::max(deepest, sample.depth);
-  return deepest > approach->thickness;
+  return deepest > run.simulation().approach().thickness;
 }
 
 /// @returns whether the hand of the parietal scene, which starts with a perforator, drills through before it withdraws. @param inputs in order.

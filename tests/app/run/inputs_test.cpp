@@ -13,6 +13,7 @@
 #include "core/mesh/mesh_patch.h"
 #include "core/voxel/box_parts.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/scene_hand.h"
 #include "tests/support/temporary_folder.h"
 
 namespace burrhole::test {
@@ -317,13 +318,7 @@ AfterInput after(const Input& input, double tick_s, std::vector<Input> more = {}
   LoadedScene loaded = load_small(scene);
   std::uint64_t ticks = 0;
   Vec3 last{0.0};
-  const Scene& s = loaded.scene;
-  const auto approach = make_approach(*loaded.bone, s.approach);
-  REQUIRE(approach);
-  auto own = SimulatedHand::create(hand_config(s, s.effects.needs(s), loaded.tool, loaded.bone->bone_from_index().mean_edge()),
-                                   s.volume.world_from_bone * approach->bone_from_approach, 1.0 / s.servo_hz);
-  REQUIRE(own);
-  InformedHand hand(*own, [&] {
+  InformedHand hand(scene_hand(loaded), [&] {
     const ContactState& now = simulation->stage().contact->state();
     const Vec3 at = simulation->stage().world_from_approach().inverse() * now.world_from_tool.translation;
     ++ticks;

@@ -210,7 +210,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/hand/taken_hand.h: bone_ahead", "haptics/device/device_hand.h: drill_stopped",
          "haptics/hand/hand_source.h: drill_stopped", "haptics/hand/simulated_hand.h: drill_stopped",
          "haptics/hand/taken_hand.h: drill_stopped", "haptics/device/device_hand.h: drill_at", "haptics/hand/hand_source.h: drill_at",
-         "haptics/hand/simulated_hand.h: drill_at", "haptics/hand/taken_hand.h: drill_at");
+         "haptics/hand/simulated_hand.h: drill_at", "haptics/hand/taken_hand.h: drill_at", "haptics/device/device_hand.h: added_force",
+         "haptics/hand/hand_source.h: added_force", "haptics/hand/simulated_hand.h: added_force", "haptics/hand/taken_hand.h: added_force");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -242,6 +243,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       taken->drill_stopped();
       taken->bone_ahead(n % 2 == 0);
       taken->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
+      taken->added_force(Vec3(0.0, 0.0, 0.1));
       taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
@@ -254,6 +256,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
         source->drill_stopped();
         source->bone_ahead(n % 2 == 0);
         source->drill_at(Vec3(0.0, 0.0, -1e-5 * n));
+        source->added_force(Vec3(0.0, 0.0, 0.1));
       }
     }
   });

@@ -14,17 +14,22 @@ class RecordingHand final : public HandSource {
  public:
   [[nodiscard]] const HandState& read() noexcept override { return state_; }
   void drill_at(const Vec3& drill) noexcept override { drill_ = drill; }
+  void added_force(const Vec3& added) noexcept override { added_ = added; }
   void apply(const Wrench& on_hand) noexcept override {
     force = on_hand.force;
     drill_before_apply = drill_;
+    added_before_apply = added_;
+    added_ = Vec3(0.0);
     ++state_.tick;
     state_.world_from_hand.translation.x = static_cast<double>(state_.tick);
   }
   Vec3 force{-1.0};
   Vec3 drill_before_apply{-1.0};
+  Vec3 added_before_apply{-1.0};
 
  private:
   Vec3 drill_{-1.0};
+  Vec3 added_{0.0};
   HandState state_;
 };
 
@@ -70,7 +75,33 @@ TEST_CASE("ServoStep: the hand receives the place of the drill in the newest con
     bench.contact.publish(state);
     bench.servo();
     CHECK(bench.hand.drill_before_apply == Vec3(1.0, 2.0, static_cast<double>(n)));
+    // Of a bone that has moved, as it would be with the bone at rest.
+    state.bone.world_from_rest.translation = {0.0, 0.0, -1.0};
+    bench.contact.publish(state);
+    bench.servo();
+    CHECK(bench.hand.drill_before_apply == Vec3(1.0, 2.0, static_cast<double>(n) + 1.0));
   }
+}
+
+TEST_CASE("ServoStep: the hand receives what effects add to its force, as far as it is shown, and nothing where nothing is added") {
+  RecordingHand hand;
+  TripleBuffer<ContactState> contact;
+  TripleBuffer<HandState> out;
+  ServoStep servo{ServoConfig{.soft_start = 0.004}, hand, contact, out};
+  const Vec3 added(0.0, 1.0, 4.0);
+  for (std::uint64_t n = 1; n < 8; ++n) {
+    ContactState state;
+    state.number = n;
+    state.on_hand.force = {0.0, 0.0, 20.0};
+    contact.publish(state);
+    servo.sense();
+    const ServoOutput& shown = servo.act(added);
+    CHECK(hand.added_before_apply == added * shown.gain);  // the soft start shows 1/4, 2/4, 3/4 and all of the force
+    CHECK(glm::length(hand.force - hand.added_before_apply - state.on_hand.force * shown.gain) < 1e-14);
+    CHECK(shown.gain == doctest::Approx(std::min(1.0, 0.25 * static_cast<double>(n))));
+  }
+  servo();
+  CHECK(hand.added_before_apply == Vec3(0.0));
 }
 
 TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, at once and for good") {
