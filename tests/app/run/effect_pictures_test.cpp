@@ -60,24 +60,28 @@ constexpr const char* kHeatAndSaline =
     "\n[heat]\n[heat.picture]\nlowest_C = 38\n[irrigation]\ndrawn = true\nreach_mm = 2\nflow_ml_per_min = 0.05\n";
 
 LoadedScene scene_with(const std::string& effects, const char* seconds) {
-  const SmallScene scene{
-      .volume = kSkullPatchKeys, .record = true, .display = true, .sets = {seconds, "tool.erosion_scale=4", "hand.standoff_mm=0.3"}};
+  const SmallScene scene{.volume = kSkullPatchKeys,
+                         .record = true,
+                         .display = true,
+                         .sets = {seconds, "tool.erosion_scale=4", "hand.standoff_mm=0.3", "erosion.rate_hz=500"}};
   return load_text(scene_text(scene) + effects, scene.sets);
 }
 
-/// The pictures of a recorded run and those of its replay. @param film_hz [Hz] of the run; it copies at each frame.
+/// The pictures of a recorded run and those of its replay. From 0.9 s on the drill stands: what is left changes by less from frame to frame
+/// than is seen. @param film_hz [Hz] of the run; it copies at each frame.
 void check_replayed(const std::string& effects, bool live, double film_hz) {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");
   MeshSink recorded, replayed;
-  DrillRun run(scene_with(effects, "duration_s=1.5"), {.sink = &recorded, .live = live, .film_hz = film_hz});
+  DrillRun run(scene_with(effects, "duration_s=1.5"),
+               {.sink = &recorded, .live = live, .inputs = {{900, InputKind::spin, 0.0, {}, {}}}, .film_hz = film_hz});
   run_recorded(run, path);
   CHECK((recorded.frames > 0) == (film_hz > 0.0));
   ReplayRun replay(path, {.sink = &replayed});
   const auto session = SessionReader::open(path);
   REQUIRE(session);
   const std::vector<SessionStill>&before = session->stills(), &again = replay.run().simulation().redrawn();
-  REQUIRE(before.size() >= 4);
+  REQUIRE(before.size() >= 3);
   REQUIRE(again.size() == before.size());
   REQUIRE(replayed.names == recorded.names);
   std::size_t most = 0;
@@ -165,9 +169,10 @@ TEST_CASE("effect pictures: a replay of heat and saline shows what each still of
   check_replayed(kHeatAndSaline, false, 0.0);
 }
 
+// Fails where a still is copied as a frame of a film is, without what cannot be seen.
 TEST_CASE("effect pictures: a run that was filmed shows in its stills what a replay without a film shows, of every effect") {
-  check_replayed(kHeatAndSaline, false, 50.0);
-  check_replayed("\n[dust]\n[bleeding]\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", false, 50.0);
+  check_replayed(std::string(kHeatAndSaline) + "always = true\n", false, 500.0);
+  check_replayed("\n[dust]\n[bleeding]\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", false, 500.0);
 }
 
 TEST_CASE("effect pictures: a run on threads with heat and saline replays to the triangles of each still") {
