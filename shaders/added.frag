@@ -1,4 +1,5 @@
-// What effects add to the picture: triangles lit from both sides, with the light of bone, and wet where they shine.
+// What effects add to the picture: triangles lit from both sides, with the light of bone, and wet where they shine. A share of a colour may be
+// shown as it is, so that it can be read on a scale.
 #include "frame.glsl"
 #include "finish.glsl"
 #ifdef FOG
@@ -7,6 +8,7 @@
 layout(location = 0) in vec3 world_normal;
 layout(location = 1) in vec3 world_position;
 layout(location = 2) in vec4 color;   // a: shine
+layout(location = 3) in float unlit;   // share of the colour that light does not change
 layout(location = 0) out vec4 picture;
 #ifdef LAYER
 layout(binding = 4) uniform sampler2D hit_depth;   // of raycast.frag: the bone, which is drawn in a picture of its own
@@ -36,7 +38,7 @@ void main() {
   float towards = max(dot(n, normalize(light.xyz + to_eye)), 0.0) * step(0.0, dot(n, light.xyz));
   shown += color.a * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
   shown += color.a * 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // the film mirrors the room at grazing angles
-  shown = rolled_off(shown);
+  shown = mix(rolled_off(shown), color.rgb, unlit);
 #ifdef FOG
   shown = fogged(shown, 1.0 / gl_FragCoord.w);
 #endif

@@ -4,14 +4,14 @@
 #include <optional>
 
 #include "app/scene/scene.h"
-#include "app/view/heat_mesh.h"
+#include "app/view/color_bar.h"
 
 namespace burrhole::cli {
 
-/// @returns that of [heat.picture]; nothing without it.
+/// @returns that of an effect; nothing without one.
 [[nodiscard]] inline std::optional<ColorBar> bar_of(const Scene& scene) {
-  const auto* heat = scene.find<HeatPictureConfig>();
-  return heat != nullptr ? std::optional(color_bar(*heat)) : std::nullopt;
+  const auto* bar = scene.find<ColorBar>();
+  return bar != nullptr ? std::optional(*bar) : std::nullopt;
 }
 
 }  // namespace burrhole::cli

@@ -125,13 +125,14 @@ class BleedingEffect final : public Effect, public PictureSource {
                                 pool_.volumes().bled / kMillilitre));
   }
   PictureSource* picture_source() noexcept override { return this; }
-  bool copy_for_picture() override {
+  bool copy_for_picture(bool exactly) override {
     const BloodVolumes& v = pool_.volumes();
     const double blood = v.hole > 0.0 ? v.hole / v.in_hole() : 0.0;
     const double pores = site_.open_pores() + site_.waxed_pores();
     const double wetness = pores > 0.0 ? std::min(1.0, v.film / (pores * kWetFilm)) : 0.0;
-    const bool moved = std::abs(pool_.level() - picture_.level) > kSeenLevel || std::abs(blood - picture_.blood) > kSeenShare ||
-                       std::abs(wetness - picture_.wetness) > kSeenShare;
+    const double seen_level = exactly ? 0.0 : kSeenLevel, seen_share = exactly ? 0.0 : kSeenShare;
+    const bool moved = std::abs(pool_.level() - picture_.level) > seen_level || std::abs(blood - picture_.blood) > seen_share ||
+                       std::abs(wetness - picture_.wetness) > seen_share;
     if (!bone_moved_ && !moved) return false;
     if (bone_moved_) {
       picture_.removed.assign(site_.removed().begin(), site_.removed().end());

@@ -7,7 +7,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kMoved = 5e-6;  // [m] of a node, above which the next picture shows it
+constexpr double kMoved = 5e-6;    // [m] of a node, above which the next picture shows it
+constexpr double kTopMoved = 0.1;  // [voxels] of the upper face of soft tissue, above which its voxels are drawn anew
 constexpr double kBelowTear =
     1e-3;  // [m] of the brain below the dura under a tear (an assumption: what covers the brain itself is torn too)
 constexpr double kLeastBelow = 1e-4;                    // [m] of soft tissue below the upper face
@@ -192,14 +193,16 @@ bool DuraPicture::is_whole(std::uint32_t a, std::uint32_t b, std::uint32_t c) co
   return broken_[lattice.edge(a, b)] == 0 && broken_[lattice.edge(b, c)] == 0 && broken_[lattice.edge(c, a)] == 0;
 }
 
-bool DuraPicture::copy_for_picture() {
+bool DuraPicture::copy_for_picture(bool exactly) {
   const SheetLattice& lattice = sheet_->lattice();
   changed_ = Bounds::none();
   const bool first = x_.empty();
   bool differs = first;
-  for (std::size_t n = 0; n < lattice.nodes() && !differs; ++n) differs = glm::length(sheet_->position(n) - x_[n]) > kMoved;
+  for (std::size_t n = 0; n < lattice.nodes() && !differs; ++n)
+    differs = glm::length(sheet_->position(n) - x_[n]) > (exactly ? 0.0 : kMoved);
   for (std::size_t e = 0; e < lattice.edges().size() && !differs; ++e) differs = sheet_->is_broken(e) != (broken_[e] != 0);
-  if (!differs) return false;
+  if (!differs && (!exactly || exact_)) return false;
+  exact_ = exactly;
   x_.resize(lattice.nodes());
   broken_.resize(lattice.edges().size());
   for (std::size_t n = 0; n < x_.size(); ++n) x_[n] = sheet_->position(n);
@@ -218,12 +221,12 @@ bool DuraPicture::copy_for_picture() {
   for (std::size_t e = 0; e < broken_.size(); ++e)
     if (broken_[e] != 0)
       for (const std::uint32_t n : {lattice.edges()[e].a, lattice.edges()[e].b}) wanted[n] = over_rest(n) - thickness_ - kBelowTear;
-  lower_soft(wanted);
+  lower_soft(wanted, exactly ? 0.0 : kTopMoved * edge_);
   return true;
 }
 
-/// Takes over the heights that differ by more than a picture shows, with the boxes in which voxels change.
-void DuraPicture::lower_soft(const std::vector<double>& wanted) {
+/// Takes over the heights that differ by more than `seen` [m], with the boxes in which voxels change.
+void DuraPicture::lower_soft(const std::vector<double>& wanted, double seen) {
   const bool first = top_.empty();
   if (first) top_ = wanted;
   Bounds changed = Bounds::none(), all = Bounds::none();
@@ -232,7 +235,7 @@ void DuraPicture::lower_soft(const std::vector<double>& wanted) {
     const Vec3 rest = sheet_->rest(n);
     all.include(rest + Vec3(-reach, -reach, kAbove));
     all.include({rest.x + reach, rest.y + reach, std::min(top_[n], wanted[n]) - 2.0 * edge_});
-    if (!first && std::abs(wanted[n] - top_[n]) < 0.1 * edge_) continue;
+    if (!first && std::abs(wanted[n] - top_[n]) <= seen) continue;
     changed.include({rest.x - reach, rest.y - reach, std::min(top_[n], wanted[n]) - 2.0 * edge_});
     changed.include({rest.x + reach, rest.y + reach, first ? rest.z + kAbove : std::max(top_[n], wanted[n]) + 2.0 * edge_});
     top_[n] = wanted[n];

@@ -16,7 +16,7 @@ class DuraPicture final : public PictureSource, public SoftTop {
   /// @param sheet must outlive this. @param thickness [m] of the dura. @param edge [m] of a voxel.
   DuraPicture(const ElasticSheet& sheet, const Pose& bone_from_sheet, double thickness, double edge);
 
-  [[nodiscard]] bool copy_for_picture() override;
+  [[nodiscard]] bool copy_for_picture(bool exactly) override;
   void append_mesh(AddedMesh& out) const override;
   [[nodiscard]] const SoftTop* soft_top() const override { return this; }
   [[nodiscard]] double shown(const Vec3& p_bone, double edge) const override;
@@ -28,7 +28,7 @@ class DuraPicture final : public PictureSource, public SoftTop {
   template <class F>
   void for_each_triangle(F&& f) const;
   void find_normals();
-  void lower_soft(const std::vector<double>& wanted);
+  void lower_soft(const std::vector<double>& wanted, double seen);
 
   const ElasticSheet* sheet_;
   Pose bone_from_sheet_, sheet_from_bone_;
@@ -36,6 +36,7 @@ class DuraPicture final : public PictureSource, public SoftTop {
   std::vector<Vec3> x_, normals_;     // [m], [-] of the last copy, sheet frame
   std::vector<std::uint8_t> broken_;  // edges of the last copy
   std::vector<double> top_;           // [m] z below which soft tissue is shown at each node
+  bool exact_ = false;                // so was the last copy
   Bounds changed_ = Bounds::none(), extent_ = Bounds::none();
 };
 

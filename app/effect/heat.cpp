@@ -206,7 +206,7 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
   }
   /// As ConfigPlan, and the scale of the pictures.
   void* config(std::type_index type) noexcept override {
-    if (type == typeid(HeatPictureConfig)) return config_.picture ? &*config_.picture : nullptr;
+    if (type == typeid(ColorBar)) return bar_ ? &*bar_ : nullptr;
     return ConfigPlan::config(type);
   }
 
@@ -263,6 +263,7 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     }
     table.finish();
     config_.picture = c;
+    bar_ = color_bar(c);
   }
   /// @returns the cells within reach of the drilled line, inside the grid.
   [[nodiscard]] VoxelBox domain_of(const DrillingWay& way, const Affine& bone_from_index, const Vec3i& dims) const {
@@ -274,6 +275,8 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     if (voxels.empty()) voxels = {Vec3i(0), Vec3i(1)};
     return BoneCells(config_.cell_voxels).cells_of(voxels);
   }
+
+  std::optional<ColorBar> bar_;  // of the pictures
 };
 
 std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&) { return std::make_unique<HeatPlan>(table); }

@@ -8,6 +8,7 @@
 #include "app/run/start_thread.h"
 #include "app/stage/result_files.h"
 #include "core/base/caught_error.h"
+#include "core/base/output_file.h"
 #include "volumes/export_bone.h"
 
 namespace burrhole {
@@ -19,18 +20,22 @@ std::string text_of(const std::string& name, const ExportReport& done) {
   return fmt::format("{}: {}, {}, {:.1f} MB", name, done.format, size, static_cast<double>(done.bytes) * 1e-6);
 }
 
-/// By ball pivoting, as the mesh that is drawn; by dual contouring where the bone is too long for that.
-Result<ExportReport> export_safely(const Voxmap& bone, const std::string& path) {
+}  // namespace
+
+Result<ExportReport> write_bone(const Voxmap& bone, const std::string& path, const std::function<void()>& made) {
   try {
-    auto done = export_bone(bone, {.path = path, .ball = true});
-    if (done || done.error().code != ErrorCode::bad_input) return done;
-    return export_bone(bone, {.path = path});
+    if (const auto file = OutputFile::create(path); !file) return file.error();  // removed again: a mesh takes seconds
+    bool is_made = false;
+    auto done = export_bone(bone, {.path = path, .ball = true, .begin = [&] {
+                                     is_made = true;
+                                     if (made) made();
+                                   }});
+    if (done || is_made || done.error().code != ErrorCode::bad_input) return done;
+    return export_bone(bone, {.path = path, .begin = made});
   } catch (...) {
     return caught_error();
   }
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Voxmap>> BoneExports::copy_of(const Voxmap& bone) const {
   auto made = Voxmap::create(config_.bone, {});
@@ -58,7 +63,7 @@ Result<std::string> BoneExports::begin(const Voxmap& bone, double time, const st
 }
 
 void BoneExports::write(const Voxmap& bone, const std::string& name) {
-  const auto done = export_safely(bone, (std::filesystem::path(config_.folder) / name).string());
+  const auto done = write_bone(bone, (std::filesystem::path(config_.folder) / name).string());
   if (!done && written_) written_ = done.error();
   if (config_.say) config_.say(done ? text_of(name, *done) : done.error().text(), !done);
 }

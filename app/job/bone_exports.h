@@ -11,8 +11,14 @@
 
 #include "core/base/result.h"
 #include "core/voxel/voxmap.h"
+#include "volumes/export_bone.h"
 
 namespace burrhole {
+
+/// Writes a file of the bone: a mesh by ball pivoting, as the mesh that is drawn; by dual contouring where the bone is too long for that. A path
+/// that cannot be written is found before a mesh is made. @param made called when there is what the file shall hold, before it is written; may
+/// be empty. Errors as export_bone(), and those of an exception.
+[[nodiscard]] Result<ExportReport> write_bone(const Voxmap& bone, const std::string& path, const std::function<void()>& made = {});
 
 class BoneExports {
  public:

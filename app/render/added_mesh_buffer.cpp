@@ -11,12 +11,14 @@ namespace {
 struct Vertex {
   Vec3f position, normal;
   Rgba8 color;
+  float unlit = 0.0f;
 };
-static_assert(sizeof(Vertex) == 7 * sizeof(float));
+static_assert(sizeof(Vertex) == 8 * sizeof(float));
 
 Status check(const AddedMesh& mesh) {
   if (mesh.triangles.empty()) return bad_input("an added mesh needs a triangle");
   if (mesh.colors.size() != mesh.vertices.size()) return bad_input("an added mesh needs one colour a vertex");
+  if (mesh.unlit.size() > mesh.vertices.size()) return bad_input("an added mesh has more unlit shares than vertices");
   for (const auto& triangle : mesh.triangles)
     if (std::ranges::any_of(triangle, [&](std::uint32_t n) { return n >= mesh.vertices.size(); }))
       return bad_input("an added mesh has an index beyond its vertices");
@@ -30,7 +32,9 @@ Status check(const AddedMesh& mesh) {
 /// Normals are the means of those of the triangles at a vertex, by area.
 std::vector<Vertex> make_vertices(const AddedMesh& mesh) {
   std::vector<Vertex> out(mesh.vertices.size());
-  for (std::size_t n = 0; n < out.size(); ++n) out[n] = {mesh.vertices[n], Vec3f(0.0f), mesh.colors[n]};
+  constexpr float kWhole = 255.0f;
+  for (std::size_t n = 0; n < out.size(); ++n)
+    out[n] = {mesh.vertices[n], Vec3f(0.0f), mesh.colors[n], n < mesh.unlit.size() ? static_cast<float>(mesh.unlit[n]) / kWhole : 0.0f};
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3 from(mesh.vertices[a]);
     const Vec3f normal(1e6 * glm::cross(Vec3(mesh.vertices[b]) - from, Vec3(mesh.vertices[c]) - from));
@@ -68,7 +72,8 @@ Result<AddedMeshBuffer> AddedMeshBuffer::create(const GladGLContext& gl, const A
   gl.VertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offsetof(Vertex, position)));
   gl.VertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offsetof(Vertex, normal)));
   gl.VertexArrayAttribFormat(array, 2, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLuint>(offsetof(Vertex, color)));
-  for (const GLuint attribute : {0u, 1u, 2u}) {
+  gl.VertexArrayAttribFormat(array, 3, 1, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offsetof(Vertex, unlit)));
+  for (const GLuint attribute : {0u, 1u, 2u, 3u}) {
     gl.EnableVertexArrayAttrib(array, attribute);
     gl.VertexArrayAttribBinding(array, attribute, 0);
   }

@@ -14,7 +14,8 @@ namespace burrhole {
 class AddedMeshBuffer {
  public:
   /// @param version differs from that of every earlier one. @returns ErrorCode::bad_input for no triangle, colours of another number than
-  /// vertices, an index beyond them or a vertex that is not finite; ErrorCode::unavailable if the driver has not enough memory.
+  /// vertices, more unlit shares than vertices, an index beyond them or a vertex that is not finite; ErrorCode::unavailable if the driver has
+  /// not enough memory.
   [[nodiscard]] static Result<AddedMeshBuffer> create(const GladGLContext& gl, const AddedMesh& mesh, std::uint64_t version);
   void draw() const;
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }

@@ -19,11 +19,14 @@
 
 namespace burrhole {
 
-/// Triangles that an effect adds to a picture: lit, opaque, coloured by vertex. Normals are the means at shared vertices; give an edge that shall
+/// Triangles that an effect adds to a picture: opaque, coloured by vertex, lit unless `unlit` says otherwise. Normals are the means at shared vertices; give an edge that shall
 /// be sharp two vertices.
 struct AddedMesh {
-  std::vector<glm::vec3> vertices;                      ///< [m] bone frame
-  std::vector<Rgba8> colors;                            ///< of each vertex; a = shine 0..255 (specular of a wet surface)
+  std::vector<glm::vec3> vertices;  ///< [m] bone frame
+  std::vector<Rgba8> colors;        ///< of each vertex; a = shine 0..255 (specular of a wet surface)
+  /// Of each vertex, the share 0..255 of its colour that is shown as it is, in light and in shade: for colours that are read on a scale. 0 for
+  /// vertices beyond its end.
+  std::vector<std::uint8_t> unlit;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside; both sides are drawn
 };
 
@@ -42,8 +45,10 @@ class SoftTop {
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
-  /// Copies what the next picture shows. May allocate. @returns whether the triangles differ from those of the last copy; true at first.
-  [[nodiscard]] virtual bool copy_for_picture() = 0;
+  /// Copies what the next picture shows. May allocate. @param exactly false: a change that is too small to be seen may wait, so that fewer
+  /// triangles are made; true: none does, so that the picture depends on the present state alone, as a recorded still must to be drawn again by a
+  /// replay, which copies at other times. @returns whether the triangles differ from those of the last copy; true at first.
+  [[nodiscard]] virtual bool copy_for_picture(bool exactly) = 0;
   /// Appends the triangles of the last copy.
   virtual void append_mesh(AddedMesh& out) const = 0;
   /// @returns where soft tissue is shown; null: as loaded. Valid as long as the source, and as the last copy has it.

@@ -81,7 +81,7 @@ void append_debris(std::span<const ShownDebris> particles, const glm::vec3& down
   }
 }
 
-bool DebrisPicture::copy_for_picture() {
+bool DebrisPicture::copy_for_picture(bool) {
   next_.clear();
   for (const DebrisParticle& one : field_->particles())
     next_.push_back({glm::vec3(one.position), static_cast<float>(one.volume), static_cast<float>(field_->radius_of(one)), one.number,

@@ -25,7 +25,7 @@ struct ShownDebris {
 class DebrisPicture final : public PictureSource {
  public:
   explicit DebrisPicture(const DebrisField& field) : field_(&field) {}
-  [[nodiscard]] bool copy_for_picture() override;
+  [[nodiscard]] bool copy_for_picture(bool exactly) override;
   void append_mesh(AddedMesh& out) const override;
 
  private:

@@ -224,12 +224,12 @@ void FrameStep::make_change(const Change& change, std::vector<TexelBox>& out) co
 
 void FrameStep::gather(double turned) {
   turned_ = turned;
-  fill_batch(display_.upload_budget / kTexelBytes, display_.upload_time);
+  fill_batch(display_.upload_budget / kTexelBytes, display_.upload_time, false);
 }
 
 void FrameStep::gather_rest(double turned) {
   turned_ = turned;
-  fill_batch(std::numeric_limits<std::size_t>::max(), 0.0);
+  fill_batch(std::numeric_limits<std::size_t>::max(), 0.0, true);
 }
 
 /// @param box [m] bone frame, of texels to be made anew.
@@ -239,11 +239,11 @@ void FrameStep::add_changed(const Bounds& box) {
   queue_.add(VoxelBox{floor_int(lo) - 1, floor_int(hi) + 3}.intersect(voxmap_->bone().bounds()));
 }
 
-void FrameStep::copy_sources() {
+void FrameStep::copy_sources(bool exactly) {
   if (sources_.empty()) return;
   soft_tops_.clear();
   for (PictureSource* source : sources_) {
-    added_changed_ = source->copy_for_picture() || added_changed_;
+    added_changed_ = source->copy_for_picture(exactly) || added_changed_;
     const SoftTop* top = source->soft_top();
     if (top == nullptr) continue;
     soft_tops_.push_back(top);
@@ -259,10 +259,10 @@ Status FrameStep::send_added() {
 }
 
 /// @param seconds 0: no limit.
-void FrameStep::fill_batch(std::size_t most, double seconds) {
+void FrameStep::fill_batch(std::size_t most, double seconds, bool exactly) {
   constexpr std::size_t kBetweenChecks = 4096;  // texels, a fraction of a millisecond
   make_time_ = seconds;
-  copy_sources();
+  copy_sources(exactly);
   timers_.texels([&] {
     for (const VoxelBox& box : voxmap_->take_dirty(listener_)) {
       queue_.add(box.intersect(voxmap_->bone().bounds()));

@@ -58,7 +58,7 @@ class FrameStep {
   /// Copies changed density into the batch, up to the scene's budget; the rest stays queued for the next call. Called by the owner of the
   /// bone while no picture is drawn. @param turned [rev] rotation of the spindle, at which the next picture shows the bit.
   void gather(double turned = 0.0);
-  /// The same without a budget: the queue is empty afterwards.
+  /// The same without a budget: the queue is empty afterwards, and what effects add is copied exactly.
   void gather_rest(double turned = 0.0);
   /// Moves the bone in the pictures from now on. @param world_from_rest maps the bone as the scene places it to its place now.
   void move_bone(const Pose& world_from_rest) noexcept { world_from_bone_ = world_from_rest * at_rest_; }
@@ -111,8 +111,8 @@ class FrameStep {
   void read_change(const VoxelBox& box, Change& out) const;
   void make_change(const Change& change, std::vector<TexelBox>& out) const;
   void follow(const VoxelBox& changed);
-  void fill_batch(std::size_t most, double seconds);
-  void copy_sources();
+  void fill_batch(std::size_t most, double seconds, bool exactly);
+  void copy_sources(bool exactly);
   void add_changed(const Bounds& box);
   [[nodiscard]] Status send_added();
   [[nodiscard]] Status send_batch();

@@ -14,11 +14,10 @@ namespace {
 
 constexpr double kSeen = 1.0 / 128.0;  // [-] of the scale, change of a cell that is drawn
 constexpr double kFarBelow = -1.0;     // [-] of the scale: the place of no dose, and where nothing is known
-constexpr std::uint8_t kShine = 30;    // of cut bone
 
 Rgba8 color_at(double place) {
   const RampColor color = ramp_color(place);
-  return {color.r, color.g, color.b, kShine};
+  return {color.r, color.g, color.b, 0};
 }
 
 }  // namespace
@@ -68,14 +67,15 @@ VoxelBox HeatPicture::cells_on_scale() const noexcept {
   return out;
 }
 
-bool HeatPicture::differs() const noexcept {
+bool HeatPicture::differs(bool exactly) const noexcept {
   if (!(next_.cells == shown_.cells)) return true;
+  if (exactly) return next_.place != shown_.place || next_.share != shown_.share || next_.density != shown_.density;
   for (std::size_t n = 0; n < next_.place.size(); ++n)
     if (std::abs(next_.place[n] - shown_.place[n]) > static_cast<float>(kSeen)) return true;
   return bone_moved_ && next_.density != shown_.density;
 }
 
-bool HeatPicture::copy_for_picture() {
+bool HeatPicture::copy_for_picture(bool exactly) {
   next_.cells = cells_on_scale();
   if (!next_.cells.empty()) next_.cells = next_.cells.grown(1).intersect(field_->domain());
   next_.place.resize(next_.cells.count());
@@ -88,7 +88,7 @@ bool HeatPicture::copy_for_picture() {
   });
   next_.voxels = next_.cells.empty() ? VoxelBox{} : cells_.voxels_of(next_.cells).intersect(density_.box());
   density_.copy(next_.voxels, next_.density);
-  const bool changed = !copied_ || differs();
+  const bool changed = !copied_ || differs(exactly);
   bone_moved_ = false;
   copied_ = true;
   if (changed) std::swap(shown_, next_);
@@ -122,8 +122,11 @@ void append_heat(const HeatCopy& copy, const BoneCells& cells, const Affine& bon
   std::vector<double> places;
   places.reserve(mesh.positions.size());
   for (const Vec3f& p : mesh.positions) places.push_back(place_at(copy, cells, index_from_bone * Vec3(p)).value_or(kFarBelow));
+  const std::size_t before = out.vertices.size();
   append_clipped(
       mesh, places, [](const Vec3f&, double place) { return color_at(place); }, out);
+  out.unlit.resize(before, 0);
+  out.unlit.resize(out.vertices.size(), kHeatUnlit);
 }
 
 }  // namespace burrhole

@@ -28,6 +28,9 @@ struct HeatPictureConfig {
   double damage_dose = 16.0;  ///< [min] of [heat]; the scale of the dose is from it over kDoseSpan to it times kDoseSpan
 };
 inline constexpr double kDoseSpan = 16.0;
+/// AddedMesh::unlit of a colour, 80 %: in full shade it is read within a tenth of the scale, and the rest still shows the shape. Without it a colour
+/// in full shade is read up to 0.9 of the scale too low.
+inline constexpr std::uint8_t kHeatUnlit = 204;
 
 /// @returns the place on the scale of a temperature [C] or a dose [min]: 0 at its lower end, 1 at its upper one, beyond them outside of 0..1.
 [[nodiscard]] double place_on_scale(const HeatPictureConfig& config, double value) noexcept;
@@ -53,7 +56,7 @@ class HeatPicture final : public PictureSource {
     density_.set(voxels, density);
     bone_moved_ = true;
   }
-  [[nodiscard]] bool copy_for_picture() override;
+  [[nodiscard]] bool copy_for_picture(bool exactly) override;
   void append_mesh(AddedMesh& out) const override;
   [[nodiscard]] const HeatCopy& shown() const noexcept { return shown_; }
   [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells, std::uint64_t voxels) noexcept {
@@ -63,7 +66,7 @@ class HeatPicture final : public PictureSource {
  private:
   [[nodiscard]] double place(const Vec3i& cell) const noexcept;
   [[nodiscard]] VoxelBox cells_on_scale() const noexcept;
-  [[nodiscard]] bool differs() const noexcept;
+  [[nodiscard]] bool differs(bool exactly) const noexcept;
 
   const HeatField* field_;
   BoneCells cells_;

@@ -34,9 +34,10 @@ double inside_film(const SalineFilm& film, const Vec3& p) noexcept {
 SalinePicture::SalinePicture(const VoxelBox& voxels, std::vector<Rgba8> colors, const Affine& bone_from_index)
     : density_(voxels), colors_(std::move(colors)), bone_from_index_(bone_from_index), index_from_bone_(bone_from_index.inverse()) {}
 
-bool SalinePicture::copy_for_picture() {
+bool SalinePicture::copy_for_picture(bool exactly) {
   const bool flows = film_.reach > 0.0, flowed = shown_.reach > 0.0;
-  const bool moved = glm::length(film_.tip - shown_.tip) > kMoved || glm::length(film_.up - shown_.up) * film_.reach > kMoved;
+  const double seen = exactly ? 0.0 : kMoved;
+  const bool moved = glm::length(film_.tip - shown_.tip) > seen || glm::length(film_.up - shown_.up) * film_.reach > seen;
   const bool first = std::exchange(first_, false);
   if (!first && flows == flowed && (!flows || (!moved && !bone_moved_))) return false;
   bone_moved_ = false;

@@ -32,7 +32,7 @@ class SalinePicture final : public PictureSource {
     bone_moved_ = true;
   }
   void set_film(const SalineFilm& film) noexcept { film_ = film; }
-  [[nodiscard]] bool copy_for_picture() override;
+  [[nodiscard]] bool copy_for_picture(bool exactly) override;
   void append_mesh(AddedMesh& out) const override;
   [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t voxels) noexcept { return voxels * (2 + sizeof(Rgba8)); }
 

@@ -9,6 +9,9 @@
 
 namespace burrhole {
 
+/// [pixels] edge of a slice through the tip at scale 1, at most.
+inline constexpr int kSliceSize = 200;
+
 /// The handle of the plane at which the picture is cut open; a drag moves the plane along its normal. Draws nothing without a cut,
 /// and where the picture is not that of the camera (two eyes, workbench): there the sliders move it.
 /// @param width, height of the picture.

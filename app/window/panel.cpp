@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/stage/zone_state.h"
+#include "app/window/color_scale.h"
 #include "app/window/over_bone.h"
 #include "app/window/panel_parts.h"
 #include "app/window/panel_text.h"
@@ -341,6 +342,7 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopTextWrapPos();
     ImGui::End();
   }
+  if (plan_.scale && view.stage == RunStage::drilling) draw_scale(*plan_.scale, *gui_, view, has_hints(view), height);
   if (figures.coarse) {
     const float below = view.transport ? transport_height(*gui_) : 0.0f;
     begin_over("coarse", ImVec2(w - edge, h - edge - below), ImVec2(1.0f, 1.0f));
@@ -357,9 +359,7 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopFont();
     ImGui::End();
   }
-  if (view.stage == RunStage::drilling && view.requests.hints && !view.requests.slices && !view.requests.lab &&
-      (!plan_.demonstration || view.goal.takes_over) && !view.transport)
-    hints(view, width, height);
+  if (has_hints(view)) hints(view, width, height);
   if (view.paused) {
     begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f));
     ImGui::PushFont(gui_->big());
@@ -388,6 +388,11 @@ void Panel::quality(const WindowView& view, const DisplayFigures& figures, int w
   draw_quality(*gui_, *state_, figures);
   ImGui::PopFont();
   ImGui::End();
+}
+
+bool Panel::has_hints(const WindowView& view) const noexcept {
+  return view.stage == RunStage::drilling && view.requests.hints && !view.requests.slices && !view.requests.lab &&
+         (!plan_.demonstration || view.goal.takes_over) && !view.transport;
 }
 
 void Panel::warnings(const WindowView& view, int width) {

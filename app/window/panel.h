@@ -84,6 +84,7 @@ class Panel {
   void text_buttons(float wide);
   void quality(const WindowView& view, const DisplayFigures& figures, int width, int height);
   void over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height);
+  [[nodiscard]] bool has_hints(const WindowView& view) const noexcept;
   void warnings(const WindowView& view, int width);
   void hints(const WindowView& view, int width, int height);
   void help(bool watches, int width, int height);

@@ -33,7 +33,6 @@ constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around 
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
 constexpr double kSliceTurn = 0.999999;                     // [-] cosine of half a turn of 0.16 degrees, above which no slice changes
 constexpr double kSliceEvery = 0.1;                         // [s] between two pictures of the slices, at least
-constexpr int kSliceSize = 200;                             // [pixels] of a slice at scale 1
 constexpr int kSmallestSlice = 64, kSliceGaps = 16;         // [pixels]
 constexpr double kSmooth = 0.1;                             // share of a new value in the shown frame rate and latency
 const Vec3 kGround(0.06, 0.065, 0.075);

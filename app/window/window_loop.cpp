@@ -46,6 +46,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.bone_moves = setup.bone_moves;
   plan.instruments = setup.instruments;
   plan.one_eye = display.stereo.mode == StereoMode::off && !display.stereo.workbench;
+  if (const auto* scale = loaded.scene.find<ColorBar>()) plan.scale = *scale;
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),
               start.tool);

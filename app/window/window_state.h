@@ -12,12 +12,14 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/job/summary.h"
 #include "app/run/live_user.h"
 #include "app/run/simulation.h"
+#include "app/view/color_bar.h"
 #include "app/window/controls.h"
 #include "core/base/result.h"
 #include "core/voxel/label_table.h"
@@ -47,6 +49,7 @@ struct WindowPlan {
   bool demonstration = false;        ///< the scene's script drills
   bool bone_moves = false;           ///< the scene has [motion]: depth, layers and bone left along the planned axis have no meaning
   std::uint32_t instruments = 0;     ///< InstrumentSwitch that the scene's effects read
+  std::optional<ColorBar> scale{};   ///< of colours that effects show; absent: there is none
   std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
 };
 

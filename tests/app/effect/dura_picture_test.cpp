@@ -68,8 +68,8 @@ TEST_CASE("dura picture: at rest it is a closed shell of the sheet's area times 
   SheetConfig config;
   ElasticSheet sheet = dome(config);
   DuraPicture picture(sheet, kPlace, kThickness, kVoxel);
-  CHECK(picture.copy_for_picture());
-  CHECK_FALSE(picture.copy_for_picture());  // nothing moved
+  CHECK(picture.copy_for_picture(false));
+  CHECK_FALSE(picture.copy_for_picture(false));  // nothing moved
   const AddedMesh mesh = mesh_of(picture);
   REQUIRE(mesh.colors.size() == mesh.vertices.size());
   CHECK(open_edges(mesh) == 0);
@@ -93,11 +93,11 @@ TEST_CASE("dura picture: it goes as deep as the sheet, and all soft tissue that 
   config.strain_limit = 1.0;
   ElasticSheet sheet = dome(config);
   DuraPicture picture(sheet, kPlace, kThickness, kVoxel);
-  (void)picture.copy_for_picture();
+  (void)picture.copy_for_picture(false);
   const Bounds first = picture.changed();
   CHECK(glm::all(glm::lessThan(first.lo, first.hi)));
   press(sheet, 1.5e-3, 2e-3);
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
   const AddedMesh mesh = mesh_of(picture);
   CHECK(open_edges(mesh) == 0);
   double lowest = 0.0;
@@ -124,7 +124,7 @@ TEST_CASE("dura picture: it goes as deep as the sheet, and all soft tissue that 
   CHECK(glm::all(glm::lessThanEqual(changed.hi, all.hi + 1e-9)));
   ElasticSheet rest = dome(config);
   DuraPicture before(rest, kPlace, kThickness, kVoxel);
-  (void)before.copy_for_picture();
+  (void)before.copy_for_picture(false);
   int outside = 0, differ = 0;
   for (double x = -8e-3; x <= 8e-3; x += 0.4e-3)
     for (double y = -8e-3; y <= 8e-3; y += 0.4e-3)
@@ -138,16 +138,39 @@ TEST_CASE("dura picture: it goes as deep as the sheet, and all soft tissue that 
   CHECK(outside == 0);
 }
 
+TEST_CASE("dura picture: an exact copy is that of a whole new picture, whatever the copies before have left out") {
+  ElasticSheet sheet = dome({});
+  DuraPicture picture(sheet, kPlace, kThickness, kVoxel);
+  (void)picture.copy_for_picture(false);
+  press(sheet, 15e-6, 0.6e-3);  // less than a tenth of a voxel: soft tissue below is not drawn anew
+  CHECK(picture.copy_for_picture(false));
+  DuraPicture whole(sheet, kPlace, kThickness, kVoxel);
+  (void)whole.copy_for_picture(true);
+  const auto differs = [&] {
+    int out = 0;
+    for (double depth = 0.0; depth < 1.5e-3; depth += 10e-6) {
+      const Vec3 p = kPlace * Vec3(0.1e-3, 0.1e-3, -depth);
+      out += picture.shown(p, kVoxel) != whole.shown(p, kVoxel) ? 1 : 0;
+    }
+    return out;
+  };
+  CHECK(differs() > 0);
+  CHECK(picture.copy_for_picture(true));
+  CHECK(differs() == 0);
+  CHECK(mesh_of(picture).vertices == mesh_of(whole).vertices);
+  CHECK_FALSE(picture.copy_for_picture(true));
+}
+
 TEST_CASE("dura picture: a tear is a gap with walls, over brain that lies deeper") {
   SheetConfig config;
   config.strain_limit = 0.05;
   ElasticSheet sheet = dome(config);
   DuraPicture picture(sheet, kPlace, kThickness, kVoxel);
-  (void)picture.copy_for_picture();
+  (void)picture.copy_for_picture(false);
   const std::size_t whole = mesh_of(picture).triangles.size();
   for (double depth = 0.0; depth < 4e-3; depth += 0.2e-3) press(sheet, depth, 0.6e-3);
   REQUIRE(sheet.state().torn > 2);
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
   const AddedMesh torn = mesh_of(picture);
   CHECK(torn.triangles.size() < whole);
   CHECK(open_edges(torn) == 0);

@@ -75,7 +75,7 @@ struct Shown {
 Shown shown_of(DrillRun& run) {
   PictureSource* source = picture_of(run);
   REQUIRE(source != nullptr);
-  (void)source->copy_for_picture();
+  (void)source->copy_for_picture(false);
   AddedMesh mesh;
   source->append_mesh(mesh);
   Shown out;

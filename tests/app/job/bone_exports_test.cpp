@@ -131,6 +131,33 @@ TEST_CASE("exported bone: a file that cannot be written fails the run, whose oth
   CHECK(std::ranges::count(warnings, "there is no output folder for the bone") == 1);
 }
 
+TEST_CASE("exported bone: a path that cannot be written is found before a mesh is made, and a write that fails makes no second one") {
+  const TemporaryFolder folder;
+  DrillRun run(scene_of(0.1));
+  const Voxmap& bone = run.simulation().voxmap();
+  const auto meshes = [&](const std::string& path, bool writes) {
+    int made = 0;
+    const auto done = write_bone(bone, path, [&] { ++made; });
+    CHECK(done.ok() == writes);
+    if (!done) CHECK(done.error().text().find(fs::path(path).filename().string()) != std::string::npos);
+    return made;
+  };
+  for (const char* format : {"stl", "ply", "obj"}) {
+    CAPTURE(format);
+    const std::string taken = folder.file(std::string("taken.") + format), full = folder.file(std::string("full.") + format);
+    fs::create_directories(taken + "/inside");
+    CHECK(meshes(taken, false) == 0);
+    fs::create_symlink("/dev/full", full);  // can be opened, and takes no byte
+    CHECK(meshes(full, false) == 1);
+    CHECK(meshes(folder.file(std::string("bone.") + format), true) == 1);
+  }
+  std::ofstream(folder.file("file")) << "no folder";
+  CHECK(meshes(folder.file("file") + "/bone.stl", false) == 0);
+  std::vector<std::string> left;  // no temporary file
+  for (const auto& entry : fs::directory_iterator(folder.path())) left.push_back(entry.path().filename().string());
+  CHECK(left.size() == 3 * 3 + 1);
+}
+
 TEST_CASE("exported bone: an unknown format is refused where it is written") {
   const auto read = [](const std::string& text, Issues& issues) {
     const auto document = TomlDocument::parse(text, "inputs.toml");

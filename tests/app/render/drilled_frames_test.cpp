@@ -241,6 +241,46 @@ TEST_CASE(
   run_with("", [](DrillRun&, ComparingSink& sink) { CHECK(sink.added == 0); });
 }
 
+TEST_CASE(
+    "drilled frames: bone that heat colours and saline wets: kept pictures are whole ones, through undo, reset and restore in the run") {
+  std::vector<Way> ways;
+  ways.push_back({.name = "heat", .options = {.appearance = {.tissue = true, .occlusion = true}}});
+  ways.push_back({.name = "heat-cut", .options = {.finish = false, .supersample = 2}, .cut = true});
+  ways.push_back({.name = "heat-mesh", .options = {.mesh = true}, .tool = false});
+  ways.push_back({.name = "heat-slices", .options = {.slices = SliceOptions{}}});
+  ComparingSink sink(std::move(ways));
+  const SmallScene scene{.volume = kSkullPatchKeys,
+                         .display = true,
+                         .sets = {"duration_s=2.2", "tool.erosion_scale=4", "hand.standoff_mm=0.3", "display.size=[120,90]"}};
+  const LoadedScene loaded = load_text(scene_text(scene) +
+                                           "[heat]\n[heat.picture]\nlowest_C = 38\n[irrigation]\ndrawn = true\n"
+                                           "reach_mm = 2\nflow_ml_per_min = 0.05\nalways = true\n",
+                                       scene.sets);
+  DrillRun* running = nullptr;
+  int tick = 0;
+  WatchedHand hand(loaded, [&] {
+    if (++tick % 50 != 0) return;
+    Simulation& simulation = running->simulation();
+    simulation.stage().gather(tick % 100 == 0);  // exactly, and with what cannot be seen left out
+    REQUIRE(simulation.stage().draw("tick", simulation.contact_state().world_from_tool, false).ok());
+  });
+  SimulationOptions options;
+  options.sink = &sink;
+  options.hand = &hand;
+  options.history = true;
+  const auto input = [](std::uint64_t at, InputKind kind, double value = 0.0) { return Input{at, kind, value, "half", {}}; };
+  options.inputs = {input(600, InputKind::spin, 0.0),  input(650, InputKind::undo),        input(700, InputKind::spin, 1.0),
+                    input(1200, InputKind::spin, 0.0), input(1250, InputKind::checkpoint), input(1300, InputKind::spin, 1.0),
+                    input(1700, InputKind::reset),     input(1950, InputKind::restore)};
+  DrillRun run(loaded, options);
+  running = &run;
+  run.run();
+  CHECK(sink.pictures > 40);
+  CHECK(sink.added > 30);
+  CHECK(sink.changed > 100);
+  CHECK(sink.forgotten >= 3);
+}
+
 TEST_CASE("drilled frames: a budget spreads the texels over pictures, and the last ones show all that was drilled") {
   ComparingSink sink(plain_rays("budget"));
   const LoadedScene loaded =

@@ -6,6 +6,8 @@
 
 #include "app/view/added_mesh.h"
 #include "app/view/camera.h"
+#include "app/view/heat_mesh.h"
+#include "core/base/color_ramp.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
 
@@ -107,6 +109,66 @@ TEST_CASE("added: a shader that leaves out the depth of bone is noticed") {
   REQUIRE(renderer.set_volume(ball_on_plate()).ok());
   REQUIRE(renderer.set_added(square_at({1e-3, 0.0, 2e-3}, 3e-3)).ok());
   CHECK(count_added(picture_of(renderer, view_from_above())) > 100);
+}
+
+namespace {
+
+/// The middle pixel of a square of a colour, of which a share is not lit.
+Rgba8 shown_color(Renderer& renderer, const Rgba8& color, std::uint8_t unlit, const LightView& light) {
+  const auto mesh = square_at({0.0, 0.0, 12e-3}, 3e-3, color);
+  mesh->unlit.assign(4, unlit);
+  REQUIRE(renderer.set_added(mesh).ok());
+  FrameView view = view_from_above();
+  view.light = light;
+  return picture_of(renderer, view).pixels[kWidth * (kHeight / 2) + kWidth / 2];
+}
+
+/// @returns the place of the colour of the scale that is nearest.
+double read_on_scale(const Rgba8& shown) {
+  double best = 0.0, least = 1e9;
+  for (int n = 0; n <= 1000; ++n) {
+    const RampColor color = ramp_color(n / 1000.0);
+    const double far = std::hypot(shown.r - color.r, shown.g - color.g, shown.b - color.b);
+    if (far < least) least = far, best = n / 1000.0;
+  }
+  return best;
+}
+
+const LightView kShade{.ambient = 0.35, .diffuse = 0.75, .fill = 0.0, .direction_to_light = {0.0, 0.0, -1.0}};  // from behind the square
+const LightView kFull{.ambient = 0.35, .diffuse = 0.75, .fill = 0.12, .direction_to_light = {0.0, 0.0, 1.0}};
+
+/// Largest error of a reading on the scale [-] in full shade, over the whole scale.
+double error_in_shade(Renderer& renderer, std::uint8_t unlit) {
+  double out = 0.0;
+  for (int n = 0; n <= 40; ++n) {
+    const RampColor color = ramp_color(n / 40.0);
+    out = std::max(out, std::abs(read_on_scale(shown_color(renderer, {color.r, color.g, color.b, 0}, unlit, kShade)) - n / 40.0));
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("added: of a colour the unlit share is shown as it is, in full shade and in full light; a shader that leaves it out is noticed") {
+  Renderer renderer = require_renderer();
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  for (const int unlit : {0, 51, 204, 255}) {
+    CAPTURE(unlit);
+    // Ambient light alone: 0.35 of the colour, below the bend of the tone curve. A level is rounded once.
+    const Rgba8 shade = shown_color(renderer, kRed, static_cast<std::uint8_t>(unlit), kShade);
+    const double factor = unlit / 255.0 + (1.0 - unlit / 255.0) * 0.35;
+    CHECK(std::abs(shade.r - factor * kRed.r) <= 1.0);
+    CHECK(std::abs(shade.g - factor * kRed.g) <= 1.0);
+    CHECK(std::abs(shade.b - factor * kRed.b) <= 1.0);
+    CHECK(shown_color(renderer, kRed, static_cast<std::uint8_t>(unlit), kFull).r >= shade.r);
+  }
+  CHECK(shown_color(renderer, kRed, 255, kFull) == shown_color(renderer, kRed, 255, kShade));
+  // 0.098 in closed form: the colour nearest to 0.87 of each colour of the ramp.
+  CHECK(error_in_shade(renderer, kHeatUnlit) <= 0.1);
+  CHECK(error_in_shade(renderer, 0) > 0.5);
+  Renderer broken = require_renderer({.shader_folder = changed_shaders("unlit", "added.frag", "color.rgb, unlit)", "color.rgb, 0.0)")});
+  REQUIRE(broken.set_volume(ball_on_plate()).ok());
+  CHECK(error_in_shade(broken, kHeatUnlit) > 0.5);
 }
 
 TEST_CASE("added: the nearer of tool and triangles is seen, and the cut clips triangles") {
@@ -215,6 +277,7 @@ TEST_CASE("added: wrong triangles are refused with a reason, and the old ones ar
   };
   CHECK(refused([](AddedMesh& m) { m.triangles.clear(); }));
   CHECK(refused([](AddedMesh& m) { m.colors.pop_back(); }));
+  CHECK(refused([](AddedMesh& m) { m.unlit.assign(5, 0); }));
   CHECK(refused([](AddedMesh& m) { m.triangles[1][2] = 4; }));
   CHECK(refused([](AddedMesh& m) { m.vertices[2].y = std::numeric_limits<float>::quiet_NaN(); }));
   CHECK(picture_of(renderer, view_from_above()).pixels == before.pixels);

@@ -185,6 +185,11 @@ TEST_CASE("real time: zones with guidance, the dura, and blood") {
       scene_text(scene) + "\n[zones]\n[zones.guidance]\nstart_mm = 6\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n[bleeding]\n", scene.sets)));
 }
 
+TEST_CASE("real time: heat and saline, which pictures show") {
+  check_clean(drive(load_text(scene_text(pressed(kHeldKeys)) + "\n[heat]\n[heat.picture]\n[irrigation]\ndrawn = true\nalways = true\n",
+                              pressed(kHeldKeys).sets)));
+}
+
 TEST_CASE("real time: a perforator whose clutch engages") {
   check_clean(
       drive(load_small(pressed(kHeldKeys, {"tool.name=\"perforator_14_11\"", "clutch.engage_N=5", "friction.static_coefficient=0.4"}))));

@@ -63,10 +63,10 @@ TEST_CASE("debris mesh: a picture's source says whether the next picture differs
   auto field = DebrisField::create({}, std::move(*site));
   REQUIRE(field);
   DebrisPicture picture(*field);
-  CHECK(picture.copy_for_picture());
-  CHECK_FALSE(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
+  CHECK_FALSE(picture.copy_for_picture(false));
   field->step({.dt = 1e-3, .removed = 1e-9, .bit = {.radius = 0.5e-3, .height = 0.5e-3}});
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
   AddedMesh mesh;
   picture.append_mesh(mesh);
   CHECK(mesh.triangles.size() == 4 * kMostFlakesOfOne * field->particles().size());

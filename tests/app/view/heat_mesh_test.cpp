@@ -74,10 +74,11 @@ struct Site {
     return std::move(made).value();
   }
   [[nodiscard]] AddedMesh mesh() {
-    (void)picture.copy_for_picture();
+    (void)picture.copy_for_picture(false);
     AddedMesh out;
     picture.append_mesh(out);
     CHECK(out.colors.size() == out.vertices.size());
+    CHECK(out.unlit == std::vector<std::uint8_t>(out.vertices.size(), kHeatUnlit));
     for (const auto& triangle : out.triangles)
       for (const std::uint32_t n : triangle) REQUIRE(n < out.vertices.size());
     for (const glm::vec3& p : out.vertices) REQUIRE(is_finite(Vec3(p)));
@@ -203,11 +204,11 @@ TEST_CASE("heat mesh: it lies over the face, faces outwards in mirrored frames t
   const double e = 0.3e-3;
   for (const Affine& frame : {Affine::scaling(e, Vec3(0.0)), oblique(-e, e, e)}) {
     Site site(frame, {Vec3i(-8, -8, -4), Vec3i(8, 8, 2)}, {}, below_zero);
-    CHECK(site.picture.copy_for_picture());
+    CHECK(site.picture.copy_for_picture(false));
     CHECK(site.mesh().triangles.empty());
     site.field.release_at({0, 0, -1}, 0.01);
-    CHECK(site.picture.copy_for_picture());
-    CHECK_FALSE(site.picture.copy_for_picture());  // nothing changed
+    CHECK(site.picture.copy_for_picture(false));
+    CHECK_FALSE(site.picture.copy_for_picture(false));  // nothing changed
     const AddedMesh mesh = site.mesh();
     REQUIRE_FALSE(mesh.triangles.empty());
     const Vec3 outward = glm::normalize(glm::transpose(glm::inverse(frame.linear)) * Vec3(0.0, 0.0, 1.0));
@@ -243,6 +244,28 @@ TEST_CASE("heat mesh: the highest temperature and the dose stay when bone is col
   CHECK(color_bar(kScale).marks.front().second == "40");
   CHECK(color_bar(kScale).marks.back().second == "70");
   CHECK(color_bar(dose).marks[2].second == "16");
+}
+
+TEST_CASE("heat mesh: a change that cannot be seen waits, unless the copy is exact; triangles of others stay lit") {
+  Site site(Affine::scaling(0.25e-3, Vec3(0.0)), {Vec3i(-12, -12, -8), Vec3i(12, 12, 2)}, {}, below_zero);
+  site.field.release_at({0, 0, -1}, 0.05);
+  site.field.advance(0.5);
+  CHECK(site.picture.copy_for_picture(false));
+  const std::vector<float> before = site.picture.shown().place;
+  site.field.release_at({0, 0, -1}, 1e-6);  // a cell holds 0.28 mJ/K: 3.5 mK, 0.0002 of the scale; 1/128 is seen
+  CHECK_FALSE(site.picture.copy_for_picture(false));
+  CHECK(site.picture.shown().place == before);
+  CHECK(site.picture.copy_for_picture(true));
+  CHECK(site.picture.shown().place != before);
+  CHECK_FALSE(site.picture.copy_for_picture(true));
+  AddedMesh mesh{.vertices = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}},
+                 .colors = {{}, {}, {}},
+                 .unlit = {},
+                 .triangles = {{0, 1, 2}}};
+  site.picture.append_mesh(mesh);
+  REQUIRE(mesh.vertices.size() > 3);
+  REQUIRE(mesh.unlit.size() == mesh.vertices.size());
+  for (std::size_t n = 0; n < mesh.unlit.size(); ++n) CHECK(mesh.unlit[n] == (n < 3 ? 0 : kHeatUnlit));
 }
 
 TEST_CASE("heat mesh: noise in a large box stays within the bound of triangles") {

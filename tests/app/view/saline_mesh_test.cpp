@@ -29,7 +29,7 @@ SalinePicture make(const Affine& frame, const Bone& bone) {
 }
 
 AddedMesh mesh_of(SalinePicture& picture) {
-  (void)picture.copy_for_picture();
+  (void)picture.copy_for_picture(false);
   AddedMesh out;
   picture.append_mesh(out);
   REQUIRE(out.colors.size() == out.vertices.size());
@@ -113,19 +113,23 @@ TEST_CASE("saline mesh: the wall of a hole is wet above the tip and dry below it
 
 TEST_CASE("saline mesh: without flow there is nothing; a picture changes with the tip, with bone that is wet, and when the flow stops") {
   SalinePicture picture = make(Affine::scaling(kEdge, Vec3(0.0)), whole);
-  CHECK(picture.copy_for_picture());  // the first
-  CHECK_FALSE(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));  // the first
+  CHECK_FALSE(picture.copy_for_picture(false));
   CHECK(mesh_of(picture).triangles.empty());
   picture.set_film({.reach = kReach, .below = kEdge});
-  CHECK(picture.copy_for_picture());
-  CHECK_FALSE(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
+  CHECK_FALSE(picture.copy_for_picture(false));
   picture.set_film({.tip = {1e-3, 0.0, 0.0}, .reach = kReach, .below = kEdge});
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
+  picture.set_film({.tip = {1.01e-3, 0.0, 0.0}, .reach = kReach, .below = kEdge});  // too little to be seen, but not for an exact copy
+  CHECK_FALSE(picture.copy_for_picture(false));
+  CHECK(picture.copy_for_picture(true));
+  CHECK_FALSE(picture.copy_for_picture(true));
   const VoxelBox gone{Vec3i(-4), Vec3i(4)};
   picture.set_bone(gone, std::vector<float>(gone.count(), 0.0f));
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
   picture.set_film({});
-  CHECK(picture.copy_for_picture());
+  CHECK(picture.copy_for_picture(false));
   CHECK(mesh_of(picture).triangles.empty());
   // A tip far from the bone wets nothing.
   picture.set_film({.tip = {0.0, 0.0, 1.0}, .reach = kReach, .below = kEdge});
