@@ -286,7 +286,7 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 
 EffectEntry clutch_effect() {
   return {"clutch", "the clutch of a perforator, which stops it when its tip loses the bone; without it the drill turns with its drive",
-          read};
+          read, {}, {.figures = {{"released_s"}, {"release_took_ms", 1.0}, {"thrust_at_release_N", 1.0}}}};
 }
 
 }  // namespace burrhole

@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/lab/effects_accuracy.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotable = 0.03;  // [-] error of a value of the scene that is named
+constexpr double kPlotFloor = 0.01;   // [%] smaller errors are drawn there
+constexpr double kPlotTop = 200.0;    // [%]
+constexpr double kLeastTime = 1e-3;   // [ms/s] smaller times are drawn there
+constexpr const char* kColours[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet};
+constexpr int kDot = 7, kRing = 6, kDownwards = 10;  // gnuplot's points
+
+std::string percent(double share) {
+  if (std::isnan(share)) return "absent";
+  const double value = 100.0 * share;
+  if (value == 0.0) return "0";
+  return value < 0.01 ? "<0.01" : fmt::format(fmt::runtime(value < 1.0 ? "{:.2f}" : value < 10.0 ? "{:.1f}" : "{:.0f}"), value);
+}
+
+bool acts(const FigureErrors& errors) { return errors.trend == LadderTrend::falls || errors.trend == LadderTrend::stays; }
+
+std::string errors_text(const Ladder& ladder, const std::vector<FigureErrors>& errors, std::size_t run) {
+  std::vector<std::string> parts;
+  for (std::size_t n = 0; n < errors.size(); ++n)
+    if (acts(errors[n])) parts.push_back(fmt::format("{} {}", ladder.figures[n].name, percent(errors[n].errors[run])));
+  return parts.empty() ? "without effect" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string with_along(const Ladder& ladder) {
+  return ladder.along.empty() ? ladder.knob : fmt::format("{}, and {}", ladder.knob, fmt::join(ladder.along, ", "));
+}
+
+std::string setting_text(double setting) { return fmt::format("{:.4g}", setting); }
+
+std::vector<std::string> line_of(const Ladder& ladder, const LadderRun& run, std::string setting, std::string errors) {
+  return {ladder.table, with_along(ladder), std::move(setting), std::move(errors), fmt::format("{:.3g}", run.time_ms),
+          fmt::format("{:.4g}", run.bytes / 1e3)};
+}
+
+/// What of a key is to be explained; empty: nothing.
+std::vector<std::string> notes_of(const Ladder& ladder) {
+  const std::vector<FigureErrors> errors = ladder_errors(ladder);
+  std::vector<std::string> out;
+  for (const std::string& line : ladder.refused) out.push_back("not drilled with " + line);
+  for (std::size_t n = 0; n < errors.size(); ++n)
+    if (errors[n].trend == LadderTrend::none) out.push_back("no run has " + ladder.figures[n].name);
+  if (!has_effect(errors)) {
+    out.emplace_back("changes no figure in this scene: without effect");
+    return out;
+  }
+  const auto usual = static_cast<std::size_t>(std::ranges::find(ladder.runs, 1.0, &LadderRun::multiple) - ladder.runs.begin());
+  for (std::size_t n = 0; n < errors.size(); ++n) {
+    if (!acts(errors[n]) || usual >= ladder.runs.size()) continue;
+    const double error = errors[n].errors[usual];
+    if (!(error <= kNotable))
+      out.push_back(fmt::format("{} is off by {} % at {}, the value of the scene", ladder.figures[n].name, percent(error), setting_text(ladder.runs[usual].setting)));
+    if (errors[n].trend != LadderTrend::stays) continue;
+    std::vector<std::string> steps;
+    for (const double one : errors[n].errors) steps.push_back(percent(one));
+    out.push_back(fmt::format("{} does not converge: {} %", ladder.figures[n].name, fmt::join(steps, ", ")));
+  }
+  return out;
+}
+
+// ---- plots
+
+double drawn(double share) { return std::isnan(share) ? kNone : std::clamp(100.0 * share, kPlotFloor, kPlotTop); }
+
+/// Adds the curve of one figure; points below the axis are open triangles that point down, the value of the scene has a ring.
+void add_curve(const Ladder& ladder, const std::vector<double>& errors, const std::string& name, const char* colour, bool settings, PlotPanel& out) {
+  PlotSeries curve{name, {}, {}, linked_point_style(colour, kDot), {}};
+  PlotSeries below{"", {}, {}, point_style(colour, kDownwards, 1.3, 1.5), {}}, ring{"", {}, {}, point_style(colour, kRing, 2.0, 1.6), {}};
+  for (std::size_t n = 0; n < errors.size(); ++n) {
+    const LadderRun& run = ladder.runs[n];
+    const double x = std::max(run.time_ms, kLeastTime), y = drawn(errors[n]);
+    curve.x.push_back(x);
+    curve.y.push_back(y);
+    curve.labels.push_back(settings ? setting_text(run.setting) : "");
+    if (y == kPlotFloor) {
+      below.x.push_back(x);
+      below.y.push_back(y);
+    }
+    if (run.multiple == 1.0) {
+      ring.x.push_back(x);
+      ring.y.push_back(y);
+    }
+  }
+  for (PlotSeries* series : {&curve, &below, &ring})
+    if (!series->x.empty()) out.series.push_back(std::move(*series));
+}
+
+Plot grid_of_panels() {
+  Plot plot;
+  plot.x_label = "time of the effect's steps [ms per simulated second]";
+  plot.width_px = 1600;
+  plot.panel_height_px = 250;
+  plot.columns = 4;
+  plot.log_x = plot.log_y = true;
+  plot.legend = "above";
+  return plot;
+}
+
+PlotPanel panel_of(std::string title) {
+  PlotPanel panel;
+  panel.title = std::move(title);
+  panel.y_label = "error [%]";
+  panel.y_range = {0.7 * kPlotFloor, kPlotTop};
+  return panel;
+}
+
+}  // namespace
+
+std::vector<CostRow> ladder_rows(const std::vector<Ladder>& ladders) {
+  std::vector<CostRow> rows;
+  for (const Ladder& ladder : ladders) {
+    const std::vector<FigureErrors> errors = ladder_errors(ladder);
+    for (std::size_t n = 0; n < ladder.runs.size(); ++n)
+      for (std::size_t f = 0; f < errors.size(); ++f) {
+        const bool has_error = acts(errors[f]);
+        CostRow row{.subject = "effect " + ladder.table,
+                    .model = "",
+                    .knob = with_along(ladder),
+                    .setting = ladder.runs[n].setting,
+                    .error_name = ladder.figures[f].name + (has_error ? "" : ": without effect"),
+                    .error = has_error ? 100.0 * errors[f].errors[n] : kNone,
+                    .unit = "%",
+                    .reference = fmt::format("{:g}", ladder.reference.setting)};
+        row.median_us = 1e3 * ladder.runs[n].time_ms;
+        row.bytes = ladder.runs[n].bytes;
+        rows.push_back(std::move(row));
+      }
+  }
+  return rows;
+}
+
+std::vector<std::string> ladder_heads() { return {"effect", "key", "value", "error of its figures [%]", "time [ms/s]", "memory [kB]"}; }
+
+std::vector<std::vector<std::string>> ladder_cells(const std::vector<Ladder>& ladders) {
+  std::vector<std::vector<std::string>> out;
+  for (const Ladder& ladder : ladders) {
+    const std::vector<FigureErrors> errors = ladder_errors(ladder);
+    for (std::size_t n = 0; n < ladder.runs.size(); ++n) {
+      const LadderRun& run = ladder.runs[n];
+      out.push_back(line_of(ladder, run, setting_text(run.setting) + (run.multiple == 1.0 ? ", the scene's" : ""), errors_text(ladder, errors, n)));
+    }
+    out.push_back(line_of(ladder, ladder.reference, setting_text(ladder.reference.setting), "reference"));
+  }
+  return out;
+}
+
+std::vector<std::string> ladder_notes(const std::vector<Ladder>& ladders) {
+  std::vector<std::string> out;
+  for (const Ladder& ladder : ladders)
+    for (const std::string& note : notes_of(ladder)) out.push_back(fmt::format("[{}], {}: {}", ladder.table, ladder.knob, note));
+  return out;
+}
+
+Plot ladder_plot(const std::vector<Ladder>& ladders) {
+  Plot plot = grid_of_panels();
+  for (const Ladder& ladder : ladders) {
+    const std::vector<FigureErrors> errors = ladder_errors(ladder);
+    if (ladder.general || !has_effect(errors)) continue;
+    PlotPanel panel = panel_of(ladder.knob);
+    std::size_t curves = 0;
+    for (std::size_t n = 0; n < errors.size(); ++n)
+      if (acts(errors[n])) {
+        add_curve(ladder, errors[n].errors, ladder.figures[n].name, kColours[curves % std::size(kColours)], curves == 0, panel);
+        ++curves;
+      }
+    plot.panels.push_back(std::move(panel));
+  }
+  return plot;
+}
+
+Plot general_ladder_plot(const std::vector<Ladder>& ladders) {
+  Plot plot = grid_of_panels();
+  std::vector<std::string> tables, knobs;
+  const auto note = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::ranges::find(list, name) == list.end()) list.push_back(name);
+  };
+  for (const Ladder& ladder : ladders)
+    if (ladder.general) {
+      note(tables, ladder.table);
+      note(knobs, ladder.knob);
+    }
+  for (const std::string& table : tables) {
+    PlotPanel panel = panel_of(table);
+    for (const Ladder& ladder : ladders) {
+      if (!ladder.general || ladder.table != table) continue;
+      panel.title = fmt::format("{}: {}", table, ladder.figures.front().name);
+      const auto colour = static_cast<std::size_t>(std::ranges::find(knobs, ladder.knob) - knobs.begin());
+      const FigureErrors first = ladder_errors(ladder).front();
+      if (acts(first)) add_curve(ladder, first.errors, ladder.knob, kColours[colour % std::size(kColours)], true, panel);
+    }
+    plot.panels.push_back(std::move(panel));
+  }
+  return plot;
+}
+
+}  // namespace burrhole
