@@ -63,7 +63,7 @@ void add_effects_cost(CLI::App& cost, int& exit_code) {
   auto arguments = std::make_shared<EffectsCostArguments>();
   add_study_options(*command, arguments->folder, "the tables, the plot and the page");
   command->add_option("--scene", arguments->scene, "scene file, or name of a shipped scene")->type_name(kFileValue)->capture_default_str();
-  command->add_option("--effect", arguments->options.only, "measure only this effect, by the name of its table")->type_name("TABLE");
+  command->add_option("--effect", arguments->options.only, "measure only these effects, by the names of their tables")->type_name("TABLE");
   command->add_option("--repeats", arguments->options.repeats, "runs of each kind, of which the median counts")
       ->check(CLI::Range(1, 1000))
       ->type_name("COUNT")

@@ -216,10 +216,10 @@ std::size_t trials_of(const std::vector<Group>& own, const std::vector<NamedKnob
 }
 
 /// @returns a group for each effect that names figures: the scene with its table.
-std::vector<Group> groups_of(const TrialScene& scene, const std::string& only, const TableReader& root) {
+std::vector<Group> groups_of(const TrialScene& scene, const std::vector<std::string>& only, const TableReader& root) {
   std::vector<Group> out;
   for (const EffectEntry& effect : *scene.context.registry) {
-    if (effect.read == nullptr || effect.accuracy.figures.empty() || (!only.empty() && only != effect.table)) continue;
+    if (effect.read == nullptr || effect.accuracy.figures.empty() || !is_named(only, effect.table)) continue;
     Group group{effect.table, {}, {&effect}};
     if (!root.has(effect.table)) {
       AddedTable added = added_table(scene, effect, effect.accuracy.table);
@@ -253,7 +253,7 @@ Result<std::vector<Group>> shared_groups(const std::vector<Group>& own, LadderBe
 
 }  // namespace
 
-Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::string& only, const StudyRuns& runs) {
+Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::vector<std::string>& only, const StudyRuns& runs) {
   const auto document = TomlDocument::load(scene.scene_file);
   if (!document) return document.error();
   Issues issues;

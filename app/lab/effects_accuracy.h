@@ -58,8 +58,8 @@ struct FigureErrors {
 [[nodiscard]] bool has_effect(const std::vector<FigureErrors>& errors) noexcept;
 [[nodiscard]] const LadderRun& usual_run(const Ladder& ladder) noexcept;
 
-/// @param only table of the one effect that is measured; empty: all.
-[[nodiscard]] Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::string& only, const StudyRuns& runs);
+/// @param only tables of the effects that are measured; empty: all.
+[[nodiscard]] Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::vector<std::string>& only, const StudyRuns& runs);
 
 /// @returns a row for each key, value and figure; `median_us` is the time of the effect's steps in a simulated second.
 [[nodiscard]] std::vector<CostRow> ladder_rows(const std::vector<Ladder>& ladders);

@@ -15,7 +15,8 @@ constexpr double kPlotFloor = 0.01;   // [%] smaller errors are drawn there
 constexpr double kPlotTop = 200.0;    // [%]
 constexpr double kLeastTime = 1e-3;   // [ms/s] smaller times are drawn there
 constexpr const char* kColours[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet};
-constexpr int kDot = 7, kRing = 6, kDownwards = 10;  // gnuplot's points
+constexpr const char* kOrdinals[] = {"first figure named", "second", "third", "fourth"};
+constexpr int kDot = 7, kRing = 6, kDownwards = 10, kCross = 2;  // gnuplot's points
 
 std::string percent(double share) {
   if (std::isnan(share)) return "absent";
@@ -74,15 +75,16 @@ std::vector<std::string> notes_of(const Ladder& ladder) {
 double drawn(double share) { return std::isnan(share) ? kNone : std::clamp(100.0 * share, kPlotFloor, kPlotTop); }
 
 /// Adds the curve of one figure; points below the axis are open triangles that point down, the value of the scene has a ring.
-void add_curve(const Ladder& ladder, const std::vector<double>& errors, const std::string& name, const char* colour, bool settings, PlotPanel& out) {
-  PlotSeries curve{name, {}, {}, linked_point_style(colour, kDot), {}};
+/// @param settings whether points have their value of the key.
+void add_curve(const Ladder& ladder, const std::vector<double>& errors, const char* colour, bool settings, PlotPanel& out) {
+  PlotSeries curve{"", {}, {}, linked_point_style(colour, kDot), {}};
   PlotSeries below{"", {}, {}, point_style(colour, kDownwards, 1.3, 1.5), {}}, ring{"", {}, {}, point_style(colour, kRing, 2.0, 1.6), {}};
   for (std::size_t n = 0; n < errors.size(); ++n) {
     const LadderRun& run = ladder.runs[n];
     const double x = std::max(run.time_ms, kLeastTime), y = drawn(errors[n]);
     curve.x.push_back(x);
     curve.y.push_back(y);
-    curve.labels.push_back(settings ? setting_text(run.setting) : "");
+    if (settings) curve.labels.push_back(setting_text(run.setting));
     if (y == kPlotFloor) {
       below.x.push_back(x);
       below.y.push_back(y);
@@ -96,12 +98,31 @@ void add_curve(const Ladder& ladder, const std::vector<double>& errors, const st
     if (!series->x.empty()) out.series.push_back(std::move(*series));
 }
 
+/// The price of the reference, at the foot of the panel.
+void add_reference(const Ladder& ladder, const char* colour, PlotPanel& out) {
+  out.series.push_back({"", {std::max(ladder.reference.time_ms, kLeastTime)}, {kPlotFloor}, point_style(colour, kCross, 1.6, 1.8),
+                        {setting_text(ladder.reference.setting)}});
+}
+
+/// Room beside the points, and a line at the error that is named.
+void finish_panel(PlotPanel& panel) {
+  double lo = std::numeric_limits<double>::infinity(), hi = 0.0;
+  for (const PlotSeries& series : panel.series)
+    for (const double x : series.x) {
+      lo = std::min(lo, x);
+      hi = std::max(hi, x);
+    }
+  if (!(hi > 0.0)) return;
+  panel.x_range = {lo / 1.5, hi * 1.5};
+  panel.series.push_back({"", {lo / 1.5, hi * 1.5}, {100.0 * kNotable, 100.0 * kNotable}, line_style(kPlotGrey, "(4,4)", 1.0), {}});
+}
+
 Plot grid_of_panels() {
   Plot plot;
   plot.x_label = "time of the effect's steps [ms per simulated second]";
   plot.width_px = 1600;
   plot.panel_height_px = 250;
-  plot.columns = 4;
+  plot.columns = 3;
   plot.log_x = plot.log_y = true;
   plot.legend = "above";
   return plot;
@@ -167,13 +188,17 @@ Plot ladder_plot(const std::vector<Ladder>& ladders) {
   for (const Ladder& ladder : ladders) {
     const std::vector<FigureErrors> errors = ladder_errors(ladder);
     if (ladder.general || !has_effect(errors)) continue;
-    PlotPanel panel = panel_of(ladder.knob);
-    std::size_t curves = 0;
-    for (std::size_t n = 0; n < errors.size(); ++n)
-      if (acts(errors[n])) {
-        add_curve(ladder, errors[n].errors, ladder.figures[n].name, kColours[curves % std::size(kColours)], curves == 0, panel);
-        ++curves;
-      }
+    PlotPanel panel = panel_of("");
+    std::vector<std::string> names;
+    for (std::size_t n = 0; n < errors.size(); ++n) {
+      names.push_back(ladder.figures[n].name);
+      const char* const colour = kColours[n % std::size(kColours)];
+      panel.series.push_back({kOrdinals[n % std::size(kOrdinals)], {}, {}, linked_point_style(colour, kDot), {}});  // for the legend
+      if (acts(errors[n])) add_curve(ladder, errors[n].errors, colour, n == 0, panel);
+    }
+    panel.title = fmt::format("{}: {}", ladder.knob, fmt::join(names, ", "));
+    add_reference(ladder, kPlotGrey, panel);
+    finish_panel(panel);
     plot.panels.push_back(std::move(panel));
   }
   return plot;
@@ -192,13 +217,19 @@ Plot general_ladder_plot(const std::vector<Ladder>& ladders) {
     }
   for (const std::string& table : tables) {
     PlotPanel panel = panel_of(table);
+    for (std::size_t n = 0; n < knobs.size(); ++n)
+      panel.series.push_back({knobs[n], {}, {}, linked_point_style(kColours[n % std::size(kColours)], kDot), {}});  // for the legend
     for (const Ladder& ladder : ladders) {
       if (!ladder.general || ladder.table != table) continue;
       panel.title = fmt::format("{}: {}", table, ladder.figures.front().name);
-      const auto colour = static_cast<std::size_t>(std::ranges::find(knobs, ladder.knob) - knobs.begin());
+      const auto number = static_cast<std::size_t>(std::ranges::find(knobs, ladder.knob) - knobs.begin());
+      const char* const colour = kColours[number % std::size(kColours)];
       const FigureErrors first = ladder_errors(ladder).front();
-      if (acts(first)) add_curve(ladder, first.errors, ladder.knob, kColours[colour % std::size(kColours)], true, panel);
+      if (!acts(first)) continue;
+      add_curve(ladder, first.errors, colour, true, panel);
+      add_reference(ladder, colour, panel);
     }
+    finish_panel(panel);
     plot.panels.push_back(std::move(panel));
   }
   return plot;

@@ -144,7 +144,7 @@ Result<std::vector<Priced>> priced_effects(const EffectsCostOptions& options) {
   Issues issues;
   const TableReader root = scene->root(issues);
   for (const EffectEntry& effect : *options.context.registry) {
-    if (effect.read == nullptr || (!options.only.empty() && options.only != effect.table)) continue;
+    if (effect.read == nullptr || !is_named(options.only, effect.table)) continue;
     EffectPrice price;
     price.table = effect.table;
     price.named = root.has(effect.table);
@@ -160,7 +160,9 @@ Result<std::vector<Priced>> priced_effects(const EffectsCostOptions& options) {
     }
     out.push_back({std::move(price), std::move(trial)});
   }
-  if (out.empty()) return bad_input("there is no effect \"" + options.only + "\"; burrhole docs scene lists the tables");
+  for (const std::string& table : options.only)
+    if (std::ranges::none_of(out, [&](const Priced& effect) { return effect.price.table == table; }))
+      return bad_input("there is no effect \"" + table + "\"; burrhole docs scene lists the tables");
   return out;
 }
 

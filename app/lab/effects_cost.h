@@ -52,7 +52,7 @@ struct EffectsCostOptions : TrialScene {
   bool prices = true;
   bool knobs = true;   ///< keys at half and at twice their default
   bool ladders = true; ///< errors of the keys that trade time for accuracy
-  std::string only;  ///< table of the one effect that is measured; empty: all
+  std::vector<std::string> only;  ///< tables of the effects that are measured; empty: all
   StudyRuns runs;
 };
 

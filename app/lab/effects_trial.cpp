@@ -24,6 +24,10 @@ double number_of(const Figures::Value& value) {
 
 }  // namespace
 
+bool is_named(const std::vector<std::string>& only, std::string_view table) {
+  return only.empty() || std::ranges::find(only, table) != only.end();
+}
+
 Result<TomlDocument> document_of(const TrialScene& scene, const EffectTrial& trial) {
   auto document = TomlDocument::load(scene.scene_file);
   if (!document) return document.error();

@@ -45,6 +45,8 @@ struct TrialRun {
   [[nodiscard]] double step_ms(std::string_view table) const;
 };
 
+/// @returns whether an effect is among those that are measured. @param only empty: all are.
+[[nodiscard]] bool is_named(const std::vector<std::string>& only, std::string_view table);
 [[nodiscard]] Result<TomlDocument> document_of(const TrialScene& scene, const EffectTrial& trial);
 [[nodiscard]] Result<ReadyTrial> prepare(const TrialScene& scene, const EffectTrial& trial);
 [[nodiscard]] RunSummary summary_of(const TrialScene& scene, ReadyTrial& ready, double wall_s);

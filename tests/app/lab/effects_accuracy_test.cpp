@@ -156,7 +156,7 @@ TEST_CASE("ladder: an effect outside the program gets the errors of its closed f
   const EffectRegistry registry = with_series();
   TrialScene scene = short_scene();
   scene.context.registry = &registry;
-  const auto ladders = measure_ladders(scene, "", {});
+  const auto ladders = measure_ladders(scene, {}, {});
   REQUIRE(ladders);
   const Ladder& step = of_knob(*ladders, "series.step_mm");
   REQUIRE(step.runs.size() == 3);

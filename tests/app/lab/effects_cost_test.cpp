@@ -56,7 +56,7 @@ TEST_CASE("cost of effects: each of the registry is measured, or refused with a 
 TEST_CASE("cost of effects: keys at half and twice their default, and the figure that each changes") {
   EffectsCostOptions options = short_runs();
   options.knobs = true;
-  options.only = "irrigation";
+  options.only = {"irrigation"};
   const auto cost = measure_effects_cost(options);
   REQUIRE(cost);
   REQUIRE(cost->prices.size() == 1);
@@ -75,7 +75,7 @@ TEST_CASE("cost of effects: keys at half and twice their default, and the figure
 
 TEST_CASE("cost of effects: an effect that there is not is an error that names where they are listed") {
   EffectsCostOptions options = short_runs();
-  options.only = "heta";
+  options.only = {"heat", "heta"};
   const auto cost = measure_effects_cost(options);
   REQUIRE_FALSE(cost);
   CHECK(cost.error().message.find("burrhole docs scene") != std::string::npos);
