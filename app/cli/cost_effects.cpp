@@ -39,8 +39,9 @@ int run_effects_cost(const EffectsCostArguments& arguments) {
     return kDone;
   }
   print(effects_cost_tables(*cost));
-  print(fmt::format("{} effects, {} values of keys and {} keys from coarse to fine in {}/cost.csv; effects.md, effects.html and plots beside it\n",
-                    cost->prices.size(), cost->knobs.size(), cost->ladders.size(), arguments.folder.folder));
+  print(fmt::format(
+      "{} effects, {} values of keys and {} keys from coarse to fine in {}/cost.csv; effects.md, effects.html and plots beside it\n",
+      cost->prices.size(), cost->knobs.size(), cost->ladders.size(), arguments.folder.folder));
   return kDone;
 }
 
@@ -54,8 +55,10 @@ void add_effects_cost(CLI::App& cost, int& exit_code) {
            "Drills a scene in lockstep, without pictures: as it is, and with or without each effect of the program, in turns. Tables the "
            "CPU "
            "time and memory that an effect adds, and whether it changes bone and forces. Then sets each number of its table to half and to "
-           "twice its default, and names the figure of the run that changes most. Then sets the keys that trade time for accuracy, those of the "
-           "effect and those that act on all effects, from coarse to fine, and tables and plots the error of each figure against a finer run, "
+           "twice its default, and names the figure of the run that changes most. Then sets the keys that trade time for accuracy, those "
+           "of the "
+           "effect and those that act on all effects, from coarse to fine, and tables and plots the error of each figure against a finer "
+           "run, "
            "with the time of the effect's steps and its memory. An interrupted call is resumed.",
        .examples = {"burrhole cost effects --out out/cost_effects", "burrhole cost effects --effect heat", "burrhole cost effects --quick",
                     "burrhole cost effects --no-prices --no-knobs"},

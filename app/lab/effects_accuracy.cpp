@@ -10,7 +10,7 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kBits = 4;  // numbers of bits_of()
+constexpr std::size_t kBits = 4;   // numbers of bits_of()
 constexpr std::size_t kCosts = 2;  // time and memory of an effect, before its figures
 
 /// The edge of the voxels belongs to no effect. At half the edge there are eight times the voxels.
@@ -70,7 +70,9 @@ class LadderBench {
       std::erase(trial.sets, set.substr(0, set.find('.')) + "={}");
       trial.sets.push_back(set);
     }
-    StudyTrial one{.key = {}, .name = fmt::format("{}: {}", group.name, sets.empty() ? "as it is" : fmt::format("{}", fmt::join(sets, " "))), .figures = kBits};
+    StudyTrial one{.key = {},
+                   .name = fmt::format("{}: {}", group.name, sets.empty() ? "as it is" : fmt::format("{}", fmt::join(sets, " "))),
+                   .figures = kBits};
     one.key.add("ladder").add(scene_.scene_file).add(scene_.duration_s).add(group.name);
     for (const std::string& set : trial.sets) one.key.add(set);
     for (const EffectEntry* effect : group.effects) {
@@ -162,7 +164,14 @@ Result<std::vector<Assignment>> assignments(const TrialScene& scene, const Group
 Status climb(const TrialScene& scene, const Group& group, const NamedKnob& knob, LadderBench& bench, std::vector<Ladder>& out) {
   const std::size_t first = out.size();
   for (const EffectEntry* effect : group.effects) {
-    Ladder ladder{.table = effect->table, .knob = knob.name(), .general = knob.knob.of_all, .figures = effect->accuracy.figures, .runs = {}, .reference = {}, .along = {}, .refused = {}};
+    Ladder ladder{.table = effect->table,
+                  .knob = knob.name(),
+                  .general = knob.knob.of_all,
+                  .figures = effect->accuracy.figures,
+                  .runs = {},
+                  .reference = {},
+                  .along = {},
+                  .refused = {}};
     for (const AccuracyCompanion& along : knob.knob.along) ladder.along.push_back(along.key);
     out.push_back(std::move(ladder));
   }

@@ -21,7 +21,7 @@ struct LadderRun {
   double multiple = 0.0;        ///< [-] of the scene's own value
   double time_ms = 0.0;         ///< [ms] of its steps, for a simulated second
   double bytes = 0.0;           ///< [bytes]
-  std::vector<double> figures;  ///< in the order of Ladder::figures; NaN: the run has none
+  std::vector<double> figures;  ///< [units of the figures] in the order of Ladder::figures; NaN: the run has none
 };
 
 /// One key at several values, as one effect sees it.
@@ -39,8 +39,8 @@ struct Ladder {
 enum class LadderTrend {
   none,        ///< no run has the figure
   unaffected,  ///< all runs have the figure of the reference: the key does not act on it
-  falls,       ///< finer values have less error: no step adds more than kLadderFloor, and the finest has at most kLadderFall of the coarsest
-  stays        ///< it does not approach the reference
+  falls,  ///< finer values have less error: no step adds more than kLadderFloor, and the finest has at most kLadderFall of the coarsest
+  stays   ///< it does not approach the reference
 };
 inline constexpr double kLadderFloor = 0.002;  ///< [-] of errors; less does not count
 inline constexpr double kLadderFall = 0.75;    ///< [-] of the error of the coarsest value
@@ -59,7 +59,8 @@ struct FigureErrors {
 [[nodiscard]] const LadderRun& usual_run(const Ladder& ladder) noexcept;
 
 /// @param only tables of the effects that are measured; empty: all.
-[[nodiscard]] Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::vector<std::string>& only, const StudyRuns& runs);
+[[nodiscard]] Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::vector<std::string>& only,
+                                                          const StudyRuns& runs);
 
 /// @returns a row for each key, value and figure; `median_us` is the time of the effect's steps in a simulated second.
 [[nodiscard]] std::vector<CostRow> ladder_rows(const std::vector<Ladder>& ladders);

@@ -10,10 +10,10 @@ namespace burrhole {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kNotable = 0.03;  // [-] error of a value of the scene that is named
-constexpr double kPlotFloor = 0.01;   // [%] smaller errors are drawn there
-constexpr double kPlotTop = 200.0;    // [%]
-constexpr double kLeastTime = 1e-3;   // [ms/s] smaller times are drawn there
+constexpr double kNotable = 0.03;    // [-] error of a value of the scene that is named
+constexpr double kPlotFloor = 0.01;  // [%] smaller errors are drawn there
+constexpr double kPlotTop = 200.0;   // [%]
+constexpr double kLeastTime = 1e-3;  // [ms/s] smaller times are drawn there
 constexpr const char* kColours[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet};
 constexpr const char* kOrdinals[] = {"first figure named", "second", "third", "fourth"};
 constexpr int kDot = 7, kRing = 6, kDownwards = 10, kCross = 2;  // gnuplot's points
@@ -41,7 +41,11 @@ std::string with_along(const Ladder& ladder) {
 std::string setting_text(double setting) { return fmt::format("{:.4g}", setting); }
 
 std::vector<std::string> line_of(const Ladder& ladder, const LadderRun& run, std::string setting, std::string errors) {
-  return {ladder.table, with_along(ladder), std::move(setting), std::move(errors), fmt::format("{:.3g}", run.time_ms),
+  return {ladder.table,
+          with_along(ladder),
+          std::move(setting),
+          std::move(errors),
+          fmt::format("{:.3g}", run.time_ms),
           fmt::format("{:.4g}", run.bytes / 1e3)};
 }
 
@@ -61,7 +65,8 @@ std::vector<std::string> notes_of(const Ladder& ladder) {
     if (!acts(errors[n]) || usual >= ladder.runs.size()) continue;
     const double error = errors[n].errors[usual];
     if (!(error <= kNotable))
-      out.push_back(fmt::format("{} is off by {} % at {}, the value of the scene", ladder.figures[n].name, percent(error), setting_text(ladder.runs[usual].setting)));
+      out.push_back(fmt::format("{} is off by {} % at {}, the value of the scene", ladder.figures[n].name, percent(error),
+                                setting_text(ladder.runs[usual].setting)));
     if (errors[n].trend != LadderTrend::stays) continue;
     std::vector<std::string> steps;
     for (const double one : errors[n].errors) steps.push_back(percent(one));
@@ -100,7 +105,10 @@ void add_curve(const Ladder& ladder, const std::vector<double>& errors, const ch
 
 /// The price of the reference, at the foot of the panel.
 void add_reference(const Ladder& ladder, const char* colour, PlotPanel& out) {
-  out.series.push_back({"", {std::max(ladder.reference.time_ms, kLeastTime)}, {kPlotFloor}, point_style(colour, kCross, 1.6, 1.8),
+  out.series.push_back({"",
+                        {std::max(ladder.reference.time_ms, kLeastTime)},
+                        {kPlotFloor},
+                        point_style(colour, kCross, 1.6, 1.8),
                         {setting_text(ladder.reference.setting)}});
 }
 
@@ -169,7 +177,8 @@ std::vector<std::vector<std::string>> ladder_cells(const std::vector<Ladder>& la
     const std::vector<FigureErrors> errors = ladder_errors(ladder);
     for (std::size_t n = 0; n < ladder.runs.size(); ++n) {
       const LadderRun& run = ladder.runs[n];
-      out.push_back(line_of(ladder, run, setting_text(run.setting) + (run.multiple == 1.0 ? ", the scene's" : ""), errors_text(ladder, errors, n)));
+      out.push_back(
+          line_of(ladder, run, setting_text(run.setting) + (run.multiple == 1.0 ? ", the scene's" : ""), errors_text(ladder, errors, n)));
     }
     out.push_back(line_of(ladder, ladder.reference, setting_text(ladder.reference.setting), "reference"));
   }

@@ -50,8 +50,8 @@ struct EffectsCost {
 struct EffectsCostOptions : TrialScene {
   int repeats = 5;  ///< of each run of the prices
   bool prices = true;
-  bool knobs = true;   ///< keys at half and at twice their default
-  bool ladders = true; ///< errors of the keys that trade time for accuracy
+  bool knobs = true;              ///< keys at half and at twice their default
+  bool ladders = true;            ///< errors of the keys that trade time for accuracy
   std::vector<std::string> only;  ///< tables of the effects that are measured; empty: all
   StudyRuns runs;
 };

@@ -96,7 +96,11 @@ nlohmann::ordered_json ladder_json(const Ladder& ladder) {
            {"values", Json::array()}};
   for (std::size_t n = 0; n < ladder.runs.size(); ++n) {
     const LadderRun& run = ladder.runs[n];
-    Json one{{"value", run.setting}, {"of_the_scene", run.multiple == 1.0}, {"ms_per_s", run.time_ms}, {"bytes", run.bytes}, {"errors", Json::object()}};
+    Json one{{"value", run.setting},
+             {"of_the_scene", run.multiple == 1.0},
+             {"ms_per_s", run.time_ms},
+             {"bytes", run.bytes},
+             {"errors", Json::object()}};
     for (std::size_t f = 0; f < errors.size(); ++f)
       one["errors"][ladder.figures[f].name] = errors[f].trend == LadderTrend::unaffected ? Json() : Json(errors[f].errors[n]);
     out["values"].push_back(std::move(one));
@@ -209,9 +213,10 @@ Status write_effects_cost(const EffectsCost& cost, const std::string& folder) {
     const auto plots = write_ladder_plots(cost, folder);
     if (!plots) return plots.error();
     for (const std::string& plot : *plots)
-      html.svg(plot,
-               "Error against a finer run, and time of the effect's steps, from coarse to fine; numbers are values of the key, a ring marks "
-               "that of the scene, a triangle an error below the axis.");
+      html.svg(
+          plot,
+          "Error against a finer run, and time of the effect's steps, from coarse to fine; numbers are values of the key, a ring marks "
+          "that of the scene, a triangle an error below the axis.");
     html.table(ladder_heads(), ladder_cells(cost.ladders));
     for (const std::string& note : ladder_notes(cost.ladders)) html.paragraph(note);
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "app/effect/registry.h"
 #include "app/lab/effects_cost.h"
@@ -52,7 +53,7 @@ class SeriesEffect final : public Effect {
     const double h = config_.step;
     out.add("first_order_N", kExact + kSlope * h);
     out.add("second_order_N", kExact + kSquare * h * h);
-    out.add("jumps_N", kExact + std::sin(7.0 * config_.wild));
+    out.add("jumps_N", kExact + std::cos(std::numbers::pi * std::log2(config_.wild)));  // from one to the next power of two
   }
 
  private:
@@ -83,12 +84,13 @@ class SeriesPlan final : public ConfigPlan<SeriesPlan, SeriesConfig> {
 EffectRegistry with_series() {
   EffectRegistry registry = shipped_effects();
   for (EffectEntry& effect : registry) effect.accuracy = {};  // only the effect of this test is measured
-  registry.push_back({"series",
-                      "figures of known order, for a test",
-                      [](TableReader& table, const StageConfig&, Issues&) -> std::unique_ptr<EffectPlan> { return std::make_unique<SeriesPlan>(table); },
-                      {},
-                      {.figures = {{"first_order_N"}, {"second_order_N"}, {"jumps_N"}},
-                       .knobs = {{"step_mm", {4, 2, 1}, 0.5}, {"inert", {2, 1}, 0.5}, {"wild", {4, 2, 1}, 0.5}}}});
+  registry.push_back(
+      {"series",
+       "figures of known order, for a test",
+       [](TableReader& table, const StageConfig&, Issues&) -> std::unique_ptr<EffectPlan> { return std::make_unique<SeriesPlan>(table); },
+       {},
+       {.figures = {{"first_order_N"}, {"second_order_N"}, {"jumps_N"}},
+        .knobs = {{"step_mm", {4, 2, 1}, 0.5}, {"inert", {2, 1}, 0.5}, {"wild", {4, 2, 1}, 0.5}}}});
   return registry;
 }
 
