@@ -200,8 +200,9 @@ Status climb(const TrialScene& scene, const Group& group, const NamedKnob& knob,
         ladder.runs.push_back(std::move(one));
     }
   }
-  // Without the run of the reference there is no error.
-  std::erase_if(out, [](const Ladder& ladder) { return ladder.reference.multiple == 0.0; });
+  for (std::size_t n = first; n < out.size(); ++n)
+    if (out[n].reference.figures.empty()) out[n].runs.clear();  // without the run of the reference there is no error
+  std::erase_if(out, [](const Ladder& ladder) { return ladder.runs.empty() && ladder.refused.empty(); });  // the scene has no such key
   return {};
 }
 

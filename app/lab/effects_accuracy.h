@@ -30,7 +30,7 @@ struct Ladder {
   std::string knob;                     ///< "table.key"
   bool general = false;                 ///< the key acts on every effect
   std::vector<AccuracyFigure> figures;  ///< of the effect
-  std::vector<LadderRun> runs;          ///< coarse to fine; one has the multiple 1
+  std::vector<LadderRun> runs;          ///< coarse to fine; one has the multiple 1; none without a run of the reference
   LadderRun reference;
   std::vector<std::string> along;    ///< keys that are changed with it
   std::vector<std::string> refused;  ///< a line for each value with which the scene cannot be drilled
@@ -42,8 +42,8 @@ enum class LadderTrend {
   falls,  ///< finer values have less error: no step adds more than kLadderFloor, and the finest has at most kLadderFall of the coarsest
   stays   ///< it does not approach the reference
 };
-inline constexpr double kLadderFloor = 0.002;  ///< [-] of errors; less does not count
-inline constexpr double kLadderFall = 0.75;    ///< [-] of the error of the coarsest value
+inline constexpr double kLadderFloor = 0.01;  ///< [-] of errors; less does not count
+inline constexpr double kLadderFall = 0.75;   ///< [-] of the error of the coarsest value
 
 struct FigureErrors {
   std::vector<double> errors;  ///< [-] of the reference, in the order of Ladder::runs; NaN: one of the two has no figure

@@ -29,6 +29,7 @@ LadderTrend trend_of(const std::vector<double>& values, double reference, const 
 
 std::vector<FigureErrors> ladder_errors(const Ladder& ladder) {
   std::vector<FigureErrors> out;
+  if (ladder.runs.empty()) return std::vector<FigureErrors>(ladder.figures.size());
   for (std::size_t n = 0; n < ladder.figures.size(); ++n) {
     FigureErrors figure;
     const double reference = ladder.reference.figures[n];
@@ -38,10 +39,8 @@ std::vector<FigureErrors> ladder_errors(const Ladder& ladder) {
       figure.errors.push_back(error_of(values.back(), reference, ladder.figures[n]));
     }
     figure.trend = trend_of(values, reference, figure.errors);
-    if (!ladder.runs.empty()) {
-      const double ratio = ladder.runs.back().multiple / ladder.reference.multiple;
-      figure.own = figure.errors.back() / (std::max(ratio, 1.0 / ratio) - 1.0);
-    }
+    const double ratio = ladder.runs.back().multiple / ladder.reference.multiple;
+    figure.own = figure.errors.back() / (std::max(ratio, 1.0 / ratio) - 1.0);
     out.push_back(std::move(figure));
   }
   return out;

@@ -38,7 +38,7 @@ std::string with_along(const Ladder& ladder) {
   return ladder.along.empty() ? ladder.knob : fmt::format("{}, and {}", ladder.knob, fmt::join(ladder.along, ", "));
 }
 
-std::string setting_text(double setting) { return fmt::format("{:.4g}", setting); }
+std::string setting_text(double setting) { return fmt::format("{:.5g}", setting); }
 
 std::vector<std::string> line_of(const Ladder& ladder, const LadderRun& run, std::string setting, std::string errors) {
   return {ladder.table,
@@ -54,6 +54,7 @@ std::vector<std::string> notes_of(const Ladder& ladder) {
   const std::vector<FigureErrors> errors = ladder_errors(ladder);
   std::vector<std::string> out;
   for (const std::string& line : ladder.refused) out.push_back("not drilled with " + line);
+  if (ladder.runs.empty()) return out;
   for (std::size_t n = 0; n < errors.size(); ++n)
     if (errors[n].trend == LadderTrend::none) out.push_back("no run has " + ladder.figures[n].name);
   if (!has_effect(errors)) {
@@ -180,7 +181,7 @@ std::vector<std::vector<std::string>> ladder_cells(const std::vector<Ladder>& la
       out.push_back(
           line_of(ladder, run, setting_text(run.setting) + (run.multiple == 1.0 ? ", the scene's" : ""), errors_text(ladder, errors, n)));
     }
-    out.push_back(line_of(ladder, ladder.reference, setting_text(ladder.reference.setting), "reference"));
+    if (!ladder.runs.empty()) out.push_back(line_of(ladder, ladder.reference, setting_text(ladder.reference.setting), "reference"));
   }
   return out;
 }
@@ -220,7 +221,7 @@ Plot general_ladder_plot(const std::vector<Ladder>& ladders) {
     if (std::ranges::find(list, name) == list.end()) list.push_back(name);
   };
   for (const Ladder& ladder : ladders)
-    if (ladder.general) {
+    if (ladder.general && !ladder.runs.empty()) {
       note(tables, ladder.table);
       note(knobs, ladder.knob);
     }
@@ -229,7 +230,7 @@ Plot general_ladder_plot(const std::vector<Ladder>& ladders) {
     for (std::size_t n = 0; n < knobs.size(); ++n)
       panel.series.push_back({knobs[n], {}, {}, linked_point_style(kColours[n % std::size(kColours)], kDot), {}});  // for the legend
     for (const Ladder& ladder : ladders) {
-      if (!ladder.general || ladder.table != table) continue;
+      if (!ladder.general || ladder.runs.empty() || ladder.table != table) continue;
       panel.title = fmt::format("{}: {}", table, ladder.figures.front().name);
       const auto number = static_cast<std::size_t>(std::ranges::find(knobs, ladder.knob) - knobs.begin());
       const char* const colour = kColours[number % std::size(kColours)];

@@ -154,6 +154,20 @@ TEST_CASE("ladder: what does not act, does not converge or is absent is not take
   CHECK(ladder_plot({ladder}).panels.empty());
 }
 
+TEST_CASE("ladder: a key without a run of its reference has no errors, and a line that says why") {
+  Ladder ladder;
+  ladder.knob = "series.step_mm";
+  ladder.figures = {{"plain"}};
+  ladder.refused = {"series.step_mm=0: must be above 0"};
+  CHECK_FALSE(has_effect(ladder_errors(ladder)));
+  CHECK(ladder_rows({ladder}).empty());
+  CHECK(ladder_cells({ladder}).empty());
+  REQUIRE(ladder_notes({ladder}).size() == 1);
+  CHECK(ladder_notes({ladder}).front().find("must be above 0") != std::string::npos);
+  CHECK(ladder_plot({ladder}).panels.empty());
+  CHECK(general_ladder_plot({ladder}).panels.empty());
+}
+
 TEST_CASE("ladder: an effect outside the program gets the errors of its closed forms, and an inert key is named") {
   const EffectRegistry registry = with_series();
   TrialScene scene = short_scene();
