@@ -22,6 +22,7 @@ EffectsCostOptions short_runs() {
   out.repeats = 1;
   out.duration_s = 2.5;  // the bit reaches bone within the first second, and cuts after the second
   out.knobs = false;
+  out.ladders = false;
   return out;
 }
 
