@@ -152,6 +152,11 @@ TEST_CASE("ladder: what does not act, does not converge or is absent is not take
   REQUIRE(ladder_notes({ladder}).size() == 1);
   CHECK(ladder_notes({ladder}).front().find("without effect") != std::string::npos);
   CHECK(ladder_plot({ladder}).panels.empty());
+  EffectsCost cost;
+  cost.ladders = {ladder};
+  const std::string json = effects_cost_json(cost);
+  CHECK(json.find("\"has_effect\": false") != std::string::npos);
+  CHECK(json.find("\"constant\": null") != std::string::npos);
 }
 
 TEST_CASE("ladder: a key without a run of its reference has no errors, and a line that says why") {
