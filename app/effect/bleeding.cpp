@@ -366,7 +366,9 @@ EffectEntry bleeding_effect() {
   return {"bleeding",
           "blood from opened diploe, its pool in the hole, wax and suction; without it bone does not bleed",
           read,
-          {"wax = \"after\"", "wax = \"drilled\"", "wax = \"switch\""}};
+          {"wax = \"after\"", "wax = \"drilled\"", "wax = \"switch\""},
+          {.figures = {{"bled_ml"}, {"opened_pores_mm2"}, {"peak_ml_per_min"}, {"floor_hidden_s", 1.0}},
+           .knobs = {{"reach_mm", {0.5, 0.75, 1}, 1.5}}}};
 }
 
 }  // namespace burrhole

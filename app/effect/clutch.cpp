@@ -285,8 +285,11 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 }  // namespace
 
 EffectEntry clutch_effect() {
-  return {"clutch", "the clutch of a perforator, which stops it when its tip loses the bone; without it the drill turns with its drive",
-          read};
+  return {"clutch",
+          "the clutch of a perforator, which stops it when its tip loses the bone; without it the drill turns with its drive",
+          read,
+          {},
+          {.figures = {{"released_s"}, {"release_took_ms", 1.0}, {"thrust_at_release_N", 1.0}}}};
 }
 
 }  // namespace burrhole

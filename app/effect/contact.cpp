@@ -218,7 +218,9 @@ EffectEntry contact_effect() {
            "model = \"voxmap\"\nstacking = \"sum\"", "model = \"voxmap\"\nstacking = \"sum-limited\"",
            "model = \"voxmap\"\nstacking = \"average\"", "model = \"voxmap\"\nstacking = \"deepest\"",
            "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\ntool = \"hand\"",
-           "model = \"mesh\"\ntool = \"hand\"\nstacking = \"deepest\"", "model = \"mesh\"\ntool = \"hand\"\ncoupling = \"virtual\""}};
+           "model = \"mesh\"\ntool = \"hand\"\nstacking = \"deepest\"", "model = \"mesh\"\ntool = \"hand\"\ncoupling = \"virtual\""},
+          {.figures = {{"breakthrough_s"}, {"peak_force_N"}, {"reached_mm"}},
+           .knobs = {{.key = "rate_hz", .multiples = {0.5, 1, 2}, .reference = 4, .of_all = true, .along = {{"servo_hz", 1.0}}}}}};
 }
 
 }  // namespace burrhole

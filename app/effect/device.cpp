@@ -156,7 +156,11 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry device_effect() {
-  return {"device", "simulated force device between hand and drill; without it the hand holds the drill directly", read};
+  return {"device",
+          "simulated force device between hand and drill; without it the hand holds the drill directly",
+          read,
+          {},
+          {.figures = {{"breakthrough_s"}, {"peak_force_N"}, {"reached_mm"}}}};
 }
 
 }  // namespace burrhole

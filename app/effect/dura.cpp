@@ -342,7 +342,12 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 }  // namespace
 
 EffectEntry dura_effect() {
-  return {"dura", "the dura under the hole is indented and torn, and felt; without it nothing lies under the bone", read};
+  return {"dura",
+          "the dura under the hole is indented and torn, and felt; without it nothing lies under the bone",
+          read,
+          {},
+          {.figures = {{"indentation_mm", 0.1}, {"peak_force_N", 0.1}, {"largest_strain", 0.01}},
+           .knobs = {{"spacing_mm", {2, 1, 0.6}, 0.35}, {"radius_mm", {0.5, 1}, 1.5}}}};
 }
 
 }  // namespace burrhole

@@ -346,7 +346,16 @@ EffectEntry dust_effect() {
   return {"dust",
           "chips and mist of the removed bone, which hide the hole; without it removed bone vanishes",
           read,
-          {"down = [0, 0, -1]", "[dust.suction]"}};
+          {"down = [0, 0, -1]", "[dust.suction]"},
+          {.figures = {{"settled_mm3"}, {"most_hidden_share", 0.05}, {"hidden_share", 0.05}},
+           // Of half the size there are twice the particles; a cell of the heap holds a few of them.
+           .knobs = {{.key = "particle_mm3", .multiples = {4, 2, 1, 0.5}, .reference = 0.125, .along = {{"dust.most_particles", -1.0}}},
+                     {"most_particles", {0.125, 0.25, 0.5, 1}, 2},
+                     {.key = "heap_cell_mm",
+                      .multiples = {2, 1, 0.75},
+                      .reference = 0.5,
+                      .along = {{"dust.particle_mm3", 3.0}, {"dust.most_particles", -3.0}}},
+                     {"reach_mm", {0.5, 1}, 2}}}};
 }
 
 }  // namespace burrhole

@@ -324,13 +324,16 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry erosion_effect() {
-  return {
-      "erosion",
-      "drilling; without it no bone is removed",
-      read,
-      {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\"", "law = \"threshold\"\nmaterial = \"wood\"",
-       "law = \"threshold\"\nmaterial = \"steel\"",
-       "law = \"progressive\"\n[[erosion.curve]]\nstrain = 0.01\nstress_MPa = 100\n[[erosion.curve]]\nstrain = 0.02\nstress_MPa = 110"}};
+  return {"erosion",
+          "drilling; without it no bone is removed",
+          read,
+          {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\"", "law = \"threshold\"\nmaterial = \"wood\"",
+           "law = \"threshold\"\nmaterial = \"steel\"",
+           "law = \"progressive\"\n[[erosion.curve]]\nstrain = 0.01\nstress_MPa = 100\n[[erosion.curve]]\nstrain = 0.02\nstress_MPa = 110"},
+          {.figures = {{"breakthrough_s"}, {"removed_mass_mm3"}, {"hole_diameter_mm"}},
+           .knobs = {{"substep_voxels", {2, 1, 0.5}, 0.25},
+                     {"point_pitch_voxels", {2, 1}, 0.5},
+                     {.key = "rate_hz", .multiples = {0.5, 1, 2}, .reference = 4, .of_all = true}}}};
 }
 
 }  // namespace burrhole

@@ -88,7 +88,11 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry friction_effect() {
-  return {"friction", "Coulomb friction with stiction between tool and bone; without it contact is frictionless", read};
+  return {"friction",
+          "Coulomb friction with stiction between tool and bone; without it contact is frictionless",
+          read,
+          {},
+          {.figures = {{"breakthrough_s"}, {"peak_force_N"}, {"hole_diameter_mm"}}}};
 }
 
 }  // namespace burrhole

@@ -287,7 +287,9 @@ EffectEntry heat_effect() {
   return {"heat",
           "heat of cutting, its spread and the bone that dies of it; without it there is none",
           read,
-          {"[heat.picture]", "picture.quantity = \"peak\"", "picture.quantity = \"dose\""}};
+          {"[heat.picture]", "picture.quantity = \"peak\"", "picture.quantity = \"dose\""},
+          {.figures = {{"in_bone_J"}, {"dead_bone_mm3", 1.0}, {"bone_at_most_C", 1.0, HeatConfig{}.body}},
+           .knobs = {{"cell_voxels", {4, 2, 1}, 0.5}, {"fourier", {4, 2, 1, 0.5}, 0.125}, {"reach_mm", {0.25, 0.5, 1}, 2}}}};
 }
 
 }  // namespace burrhole

@@ -92,6 +92,12 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 
 }  // namespace
 
-EffectEntry spindle_effect() { return {"spindle", "the spindle slows under load; without it the spin rate equals the command", read}; }
+EffectEntry spindle_effect() {
+  return {"spindle",
+          "the spindle slows under load; without it the spin rate equals the command",
+          read,
+          {},
+          {.figures = {{"slowest_rpm"}, {"breakthrough_s"}}}};
+}
 
 }  // namespace burrhole

@@ -231,7 +231,8 @@ EffectEntry vibration_effect() {
   return {"vibration",
           "vibration of the turning bit in the hand; without it there is none",
           read,
-          {"source = \"chips\"\n[vibration.drilling_force]"}};
+          {"source = \"chips\"\n[vibration.drilling_force]"},
+          {.figures = {{"mean_N"}, {"largest_N"}, {"drilling_peak_N"}}, .knobs = {}, .table = "source = \"chips\"\ndrilling_force = {}"}};
 }
 
 }  // namespace burrhole

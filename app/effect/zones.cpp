@@ -390,8 +390,11 @@ EffectEntry zones_effect() {
   std::vector<std::string> samples{"[[zones.zone]]\nname = \"here\"\nfrom_mm = [0, 0, 0]\nto_mm = [1, 0, 0]\nradius_mm = 1",
                                    "[zones.guidance]"};
   for (const auto& [word, label] : kLabels) samples.push_back(fmt::format("[[zones.zone]]\nname = \"here\"\nlabel = \"{}\"", word));
-  return {"zones", "distance of the tip from dura, sinuses and other zones, with a warning; without it there is none", read,
-          std::move(samples)};
+  return {"zones",
+          "distance of the tip from dura, sinuses and other zones, with a warning; without it there is none",
+          read,
+          std::move(samples),
+          {.figures = {{"closest_dura_mm", 1.0}, {"near_s", 1.0}, {"inside_s", 1.0}}}};
 }
 
 }  // namespace burrhole

@@ -3,98 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <map>
-
-#include "app/job/plan.h"
-#include "app/job/summary.h"
-#include "app/run/simulation.h"
-#include "app/scene/schema_samples.h"
 
 namespace burrhole {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNothing = 1e-9;  // [-] relative change of a figure that counts as none
 
-/// A scene with an effect added or taken away, or with one key changed.
-struct Trial {
-  std::string table;
-  std::vector<std::string> sets;
-  bool unset = false;
-};
-
-Result<TomlDocument> document_of(const EffectsCostOptions& options, const Trial& trial) {
-  auto document = TomlDocument::load(options.scene_file);
-  if (!document) return document.error();
-  for (const std::string& set : trial.sets)
-    if (const Status done = document->set(set); !done) return done.error();
-  if (trial.unset)
-    if (const Status done = document->unset(trial.table); !done) return done.error();
-  if (options.duration_s > 0.0)
-    if (const Status done = document->set(fmt::format("duration_s={}", options.duration_s)); !done) return done.error();
-  return document;
-}
-
-/// A simulation that is ready to run.
-struct Ready {
-  std::unique_ptr<LoadedScene> loaded;  // at a place of its own: the simulation refers to it
-  std::unique_ptr<Simulation> simulation;
-};
-
-Result<Ready> prepare(const EffectsCostOptions& options, const Trial& trial) {
-  const auto document = document_of(options, trial);
-  if (!document) return document.error();
-  Issues issues;
-  auto read = load_scene(*document, options.context, issues);
-  if (!read) return issues.front();
-  auto loaded = std::make_unique<LoadedScene>(std::move(*read));
-  auto simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
-  if (!simulation) return issues.front();
-  return Ready{std::move(loaded), std::move(simulation)};
-}
-
-double number_of(const Figures::Value& value) {
-  if (const double* number = std::get_if<double>(&value)) return *number;
-  if (const std::uint64_t* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
-  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? 1.0 : 0.0;
-  return kNone;
-}
-
 RunFigures figures_of(const RunSummary& summary, const std::string& table) {
-  const auto or_none = [](const std::optional<double>& value) { return value.value_or(kNone); };
-  RunFigures out{{"breakthrough_s", or_none(summary.breakthrough_s)},
-                 {"plunge_mm", or_none(summary.plunge_mm)},
-                 {"hole_diameter_mm", or_none(summary.hole_diameter_mm)},
-                 {"removed_mass_mm3", summary.removed_mass_mm3},
-                 {"reached_mm", summary.reached_mm},
-                 {"peak_force_N", summary.peak_force_N}};
-  for (const RunSummary::EffectCost& effect : summary.effects)
-    if (effect.name == table)
-      for (const auto& [name, value] : effect.figures.rows()) out.emplace_back(table + ": " + name, number_of(value));
+  RunFigures out = run_figures(summary);
+  for (const auto& [name, value] : effect_figures(summary, table)) out.emplace_back(table + ": " + name, value);
   return out;
 }
 
 /// The figures of a run as numbers: CPU time [ms], bytes, the hash of bone and forces in parts that a double holds, and what figures_of() names.
 constexpr std::size_t kFixed = 6;
 
-Result<std::vector<double>> drill_once(const EffectsCostOptions& options, const Trial& trial) {
-  auto ready = prepare(options, trial);
-  if (!ready) return ready.error();
-  const double start = cpu_now();
-  if (const Status ran = ready->simulation->run(); !ran) return ran.error();
-  const double cpu = cpu_now() - start;
-  const Plan plan = make_plan(*ready->loaded);
-  const RunSummary summary = make_summary(*ready->loaded, *ready->simulation, plan, cpu);
+Result<std::vector<double>> drill_once(const EffectsCostOptions& options, const EffectTrial& trial) {
+  const auto run = drill(options, trial);
+  if (!run) return run.error();
   double bytes = 0.0;
-  for (const RunSummary::EffectCost& effect : summary.effects)
+  for (const RunSummary::EffectCost& effect : run->summary.effects)
     if (effect.name == trial.table) bytes += static_cast<double>(effect.bytes);
-  std::vector<double> out{1e3 * cpu / summary.duration_s, bytes};
-  for (const std::string& hash : {summary.voxel_hash, summary.force_hash})
-    for (const std::size_t half : {0u, 8u}) out.push_back(static_cast<double>(std::stoul(hash.substr(half, 8), nullptr, 16)));
-  for (const auto& [name, value] : figures_of(summary, trial.table)) out.push_back(value);
+  std::vector<double> out{1e3 * run->cpu_s / run->summary.duration_s, bytes};
+  for (const double part : bits_of(run->summary)) out.push_back(part);
+  for (const auto& [name, value] : figures_of(run->summary, trial.table)) out.push_back(value);
   return out;
 }
 
@@ -104,7 +38,7 @@ class Bench {
   Bench(const EffectsCostOptions& options, std::size_t trials) : options_(options), study_(options.runs, trials) {}
 
   /// @param repeat number of the run of this trial.
-  [[nodiscard]] Result<std::vector<double>> run(const Trial& trial, int repeat) {
+  [[nodiscard]] Result<std::vector<double>> run(const EffectTrial& trial, int repeat) {
     const auto names = names_of(trial);
     if (!names) return names.error();
     StudyTrial one{.key = {},
@@ -116,15 +50,13 @@ class Bench {
   }
 
   /// @returns the names of the figures of a trial, from a run that is not begun.
-  [[nodiscard]] Result<std::vector<std::string>> names_of(const Trial& trial) {
+  [[nodiscard]] Result<std::vector<std::string>> names_of(const EffectTrial& trial) {
     const std::string key = trial.table + (trial.unset ? " without" : trial.sets.empty() ? "" : " with");
     if (const auto found = names_.find(key); found != names_.end()) return found->second;
-    const auto ready = prepare(options_, trial);
+    auto ready = prepare(options_, trial);
     if (!ready) return ready.error();
     std::vector<std::string> out;
-    for (const auto& [name, value] :
-         figures_of(make_summary(*ready->loaded, *ready->simulation, make_plan(*ready->loaded), 0.0), trial.table))
-      out.push_back(name);
+    for (const auto& [name, value] : figures_of(summary_of(options_, *ready, 0.0), trial.table)) out.push_back(name);
     return names_.emplace(key, std::move(out)).first->second;
   }
 
@@ -143,46 +75,13 @@ EffectRun merged(std::vector<std::vector<double>> runs, const std::vector<std::s
   return out;
 }
 
-/// @returns the assignments that give the scene this table, by lines as a scene has them.
-std::vector<std::string> sets_of(const std::string& table, const std::string& lines) {
-  if (lines.empty()) return {table + "={}"};
-  std::vector<std::string> out;
-  for (std::size_t from = 0; from < lines.size();) {
-    const std::size_t end = std::min(lines.find('\n', from), lines.size());
-    out.push_back(table + "." + lines.substr(from, end - from));
-    from = end + 1;
-  }
-  return out;
-}
-
-/// Finds the smallest table with which the scene can be drilled: the empty one, or the first sample that works.
-Trial trial_with(const EffectsCostOptions& options, const EffectEntry& effect, EffectPrice& price) {
-  std::vector<std::string> tables{""};
-  for (const std::string& sample : effect.samples)
-    if (sample.find('[') == std::string::npos) tables.push_back(sample);
-  for (const std::string& lines : tables) {
-    Trial trial{effect.table, sets_of(effect.table, lines), false};
-    const auto ready = prepare(options, trial);
-    if (ready) {
-      price.refused.clear();
-      price.given = lines.empty() ? fmt::format("[{}]", effect.table) : fmt::format("[{}] {}", effect.table, lines);
-      std::replace(price.given.begin(), price.given.end(), '\n', ' ');
-      return trial;
-    }
-    if (price.refused.empty()) price.refused = ready.error().message;
-  }
-  return {};
-}
-
 /// The numbers of a table that a scene with it may change, with their defaults.
-std::vector<std::pair<std::string, double>> number_keys(const std::string& scene_text, const std::string& table) {
+std::vector<std::pair<std::string, double>> number_keys(const EffectsCostOptions& options, const EffectTrial& trial) {
   std::vector<std::pair<std::string, double>> out;
-  for (const KeyInfo& key : read_sample(SchemaFile::scene, scene_text).log.keys) {
-    if (key.table != table || (key.kind != KeyKind::number && key.kind != KeyKind::integer)) continue;
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(key.fallback.data(), key.fallback.data() + key.fallback.size(), value);
-    if (error == std::errc() && end == key.fallback.data() + key.fallback.size()) out.emplace_back(key.key, value);
-  }
+  const auto log = keys_of(options, trial);
+  if (!log) return out;
+  for (const KeyInfo& key : log->keys)
+    if (const auto value = default_of(key); value && key.table == trial.table) out.emplace_back(key.key, *value);
   return out;
 }
 
@@ -201,18 +100,16 @@ void find_change(const EffectRun& before, const EffectRun& after, EffectKnob& ou
   }
 }
 
-Status measure_knobs(const EffectsCostOptions& options, const Trial& with, Bench& bench, EffectsCost& out) {
-  const auto document = document_of(options, with);
-  if (!document) return document.error();
+Status measure_knobs(const EffectsCostOptions& options, const EffectTrial& with, Bench& bench, EffectsCost& out) {
   const auto names = bench.names_of(with);
   if (!names) return names.error();
   const auto base = bench.run(with, 0);
   if (!base) return base.error();
   const EffectRun before = merged({*base}, *names);
-  for (const auto& [key, fallback] : number_keys(document->to_text(), with.table))
+  for (const auto& [key, fallback] : number_keys(options, with))
     for (const double factor : {0.5, 2.0}) {
       const double value = fallback != 0.0 ? factor * fallback : factor;
-      Trial trial = with;
+      EffectTrial trial = with;
       if (trial.sets.size() == 1 && trial.sets.front().ends_with("={}")) trial.sets.clear();
       trial.sets.push_back(fmt::format("{}.{}={:.12g}", with.table, key, value));
       if (!prepare(options, trial)) continue;  // outside the key's range, or a contradiction
@@ -234,58 +131,86 @@ Status measure_knobs(const EffectsCostOptions& options, const Trial& with, Bench
   return {};
 }
 
-}  // namespace
+/// An effect and the trial that its price compares with the scene.
+struct Priced {
+  EffectPrice price;
+  EffectTrial trial;
+};
 
-Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
-  EffectsCost out;
-  std::vector<Trial> trials;
+Result<std::vector<Priced>> priced_effects(const EffectsCostOptions& options) {
+  std::vector<Priced> out;
   const auto scene = TomlDocument::load(options.scene_file);
   if (!scene) return scene.error();
   Issues issues;
   const TableReader root = scene->root(issues);
-  for (const EffectEntry& effect : shipped_effects()) {
-    if (effect.read == nullptr || (!options.only.empty() && options.only != effect.table)) continue;
+  for (const EffectEntry& effect : *options.context.registry) {
+    if (effect.read == nullptr || !is_named(options.only, effect.table)) continue;
     EffectPrice price;
     price.table = effect.table;
     price.named = root.has(effect.table);
     price.given = "as in the scene";
-    Trial trial{effect.table, {}, true};
-    if (!price.named)
-      trial = trial_with(options, effect, price);
-    else if (const auto ready = prepare(options, trial); !ready)
+    EffectTrial trial{effect.table, {}, true};
+    if (!price.named) {
+      AddedTable added = added_table(options, effect);
+      trial = std::move(added.trial);
+      price.given = std::move(added.given);
+      price.refused = std::move(added.refused);
+    } else if (const auto ready = prepare(options, trial); !ready) {
       price.refused = ready.error().message;
-    trials.push_back(std::move(trial));
-    out.prices.push_back(std::move(price));
-  }
-  if (out.prices.empty()) return bad_input("there is no effect \"" + options.only + "\"; burrhole docs scene lists the tables");
-  const auto possible = static_cast<std::size_t>(std::ranges::count_if(out.prices, [](const EffectPrice& p) { return p.refused.empty(); }));
-  std::size_t values = 0;  // of keys
-  for (std::size_t n = 0; n < trials.size() && options.knobs; ++n) {
-    if (!out.prices[n].refused.empty()) continue;
-    const auto document = document_of(options, out.prices[n].named ? Trial{trials[n].table, {}, false} : trials[n]);
-    if (document) values += 2 * number_keys(document->to_text(), trials[n].table).size();
-  }
-  Bench bench(options, 2 * possible * static_cast<std::size_t>(options.repeats) + values);
-  for (std::size_t n = 0; n < trials.size(); ++n) {
-    if (!out.prices[n].refused.empty()) continue;
-    const Trial as_it_is{trials[n].table, {}, false};
-    std::vector<std::vector<double>> scenes, others;
-    for (int repeat = 0; repeat < options.repeats; ++repeat) {
-      auto scene_run = bench.run(as_it_is, repeat);
-      if (!scene_run) return scene_run.error();
-      auto other_run = bench.run(trials[n], repeat);
-      if (!other_run) return other_run.error();
-      scenes.push_back(std::move(*scene_run));
-      others.push_back(std::move(*other_run));
     }
-    const auto names = bench.names_of(as_it_is), other_names = bench.names_of(trials[n]);
-    if (!names || !other_names) return names ? other_names.error() : names.error();
-    out.prices[n].scene = merged(std::move(scenes), *names);
-    out.prices[n].other = merged(std::move(others), *other_names);
-    if (!options.knobs) continue;
-    const Trial& with = out.prices[n].named ? as_it_is : trials[n];
-    if (const Status done = measure_knobs(options, with, bench, out); !done) return done.error();
+    out.push_back({std::move(price), std::move(trial)});
   }
+  for (const std::string& table : options.only)
+    if (std::ranges::none_of(out, [&](const Priced& effect) { return effect.price.table == table; }))
+      return bad_input("there is no effect \"" + table + "\"; burrhole docs scene lists the tables");
+  return out;
+}
+
+/// @returns the scene with an effect that is priced.
+EffectTrial with_effect(const Priced& effect) { return effect.price.named ? EffectTrial{effect.price.table} : effect.trial; }
+
+Status measure_price(const EffectsCostOptions& options, Priced& effect, Bench& bench) {
+  const EffectTrial as_it_is{effect.price.table};
+  std::vector<std::vector<double>> scenes, others;
+  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+    auto scene_run = bench.run(as_it_is, repeat);
+    if (!scene_run) return scene_run.error();
+    auto other_run = bench.run(effect.trial, repeat);
+    if (!other_run) return other_run.error();
+    scenes.push_back(std::move(*scene_run));
+    others.push_back(std::move(*other_run));
+  }
+  const auto names = bench.names_of(as_it_is), other_names = bench.names_of(effect.trial);
+  if (!names || !other_names) return names ? other_names.error() : names.error();
+  effect.price.scene = merged(std::move(scenes), *names);
+  effect.price.other = merged(std::move(others), *other_names);
+  return {};
+}
+
+}  // namespace
+
+Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
+  EffectsCost out;
+  auto effects = priced_effects(options);
+  if (!effects) return effects.error();
+  const auto possible = static_cast<std::size_t>(std::ranges::count_if(*effects, [](const Priced& e) { return e.price.refused.empty(); }));
+  std::size_t trials = options.prices ? 2 * possible * static_cast<std::size_t>(options.repeats) : 0;
+  for (const Priced& effect : *effects)
+    if (options.knobs && effect.price.refused.empty()) trials += 2 * number_keys(options, with_effect(effect)).size();
+  Bench bench(options, trials);
+  for (Priced& effect : *effects) {
+    if (effect.price.refused.empty()) {
+      if (options.prices)
+        if (const Status done = measure_price(options, effect, bench); !done) return done.error();
+      if (options.knobs)
+        if (const Status done = measure_knobs(options, with_effect(effect), bench, out); !done) return done.error();
+    }
+    if (options.prices) out.prices.push_back(std::move(effect.price));
+  }
+  if (!options.ladders) return out;
+  auto ladders = measure_ladders(options, options.only, options.runs);
+  if (!ladders) return ladders.error();
+  out.ladders = std::move(*ladders);
   return out;
 }
 

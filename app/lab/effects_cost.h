@@ -1,21 +1,19 @@
-/// app/lab/effects_cost.h: what each effect costs: a scene drilled with and without it, and with each of its keys at half and at twice its default.
+/// app/lab/effects_cost.h: what each effect costs: a scene drilled with and without it, with each of its keys at half and at twice its default,
+///   and with the keys that trade time for accuracy from coarse to fine (effects_accuracy.h).
 ///   Effects are those of the registry, so that a new one is measured too. Runs are in lockstep, as `burrhole drill` does them, without pictures.
 ///   Units   in the names.   Errors   those of the scene and of a study; unavailable without gnuplot.
 ///   Thread  one; times are CPU times of this thread, medians of runs that take turns with those of the scene as it is.
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/effects_accuracy.h"
+#include "app/lab/effects_trial.h"
 #include "app/lab/study.h"
-#include "app/scene/load.h"
 
 namespace burrhole {
-
-/// What a run gives, by name with its unit. NaN where one does not apply.
-using RunFigures = std::vector<std::pair<std::string, double>>;
 
 /// One run of the scene.
 struct EffectRun {
@@ -46,15 +44,15 @@ struct EffectKnob {
 struct EffectsCost {
   std::vector<EffectPrice> prices;
   std::vector<EffectKnob> knobs;
+  std::vector<Ladder> ladders;
 };
 
-struct EffectsCostOptions {
-  std::string scene_file;
-  SceneContext context;
-  int repeats = 5;          ///< of each run of the prices
-  double duration_s = 0.0;  ///< [s] of a run; 0: the scene's
-  bool knobs = true;
-  std::string only;  ///< table of the one effect that is measured; empty: all
+struct EffectsCostOptions : TrialScene {
+  int repeats = 5;  ///< of each run of the prices
+  bool prices = true;
+  bool knobs = true;              ///< keys at half and at twice their default
+  bool ladders = true;            ///< errors of the keys that trade time for accuracy
+  std::vector<std::string> only;  ///< tables of the effects that are measured; empty: all
   StudyRuns runs;
 };
 
@@ -64,7 +62,8 @@ struct EffectsCostOptions {
 [[nodiscard]] std::string effects_cost_tables(const EffectsCost& cost);
 /// @returns prices and knobs as JSON, schema burrhole.cost_effects/1.
 [[nodiscard]] std::string effects_cost_json(const EffectsCost& cost);
-/// Writes cost.csv, effects.md, effects.svg and effects.html into a folder. `unavailable` without gnuplot: the first two are written.
+/// Writes cost.csv, effects.md, effects.html and the plots effects.svg (prices), effects_accuracy.svg and effects_general.svg (errors against
+/// time) into a folder. `unavailable` without gnuplot: the first two are written.
 [[nodiscard]] Status write_effects_cost(const EffectsCost& cost, const std::string& folder);
 
 }  // namespace burrhole

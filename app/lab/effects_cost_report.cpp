@@ -83,6 +83,46 @@ nlohmann::ordered_json run_json(const EffectRun& run) {
   return out;
 }
 
+nlohmann::ordered_json ladder_json(const Ladder& ladder) {
+  using Json = nlohmann::ordered_json;
+  const std::vector<FigureErrors> errors = ladder_errors(ladder);
+  Json out{{"table", ladder.table},
+           {"key", ladder.knob},
+           {"with", ladder.along},
+           {"has_effect", has_effect(errors)},
+           {"reference", ladder.reference.setting},
+           {"reference_ms_per_s", ladder.reference.time_ms},
+           {"reference_bytes", ladder.reference.bytes},
+           {"values", Json::array()}};
+  for (std::size_t n = 0; n < ladder.runs.size(); ++n) {
+    const LadderRun& run = ladder.runs[n];
+    Json one{{"value", run.setting},
+             {"of_the_scene", run.multiple == 1.0},
+             {"ms_per_s", run.time_ms},
+             {"bytes", run.bytes},
+             {"errors", Json::object()}};
+    for (std::size_t f = 0; f < errors.size(); ++f)
+      one["errors"][ladder.figures[f].name] = errors[f].trend == LadderTrend::unaffected ? Json() : Json(errors[f].errors[n]);
+    out["values"].push_back(std::move(one));
+  }
+  return out;
+}
+
+/// Writes the plots of errors against time that have a panel. @returns them.
+Result<std::vector<std::string>> write_ladder_plots(const EffectsCost& cost, const std::string& folder) {
+  std::vector<std::string> out;
+  const std::pair<Plot, const char*> plots[] = {{ladder_plot(cost.ladders), "effects_accuracy.svg"},
+                                                {general_ladder_plot(cost.ladders), "effects_general.svg"}};
+  for (const auto& [plot, name] : plots) {
+    if (plot.panels.empty()) continue;
+    auto svg = draw_svg(plot);
+    if (!svg) return svg.error();
+    if (const Status written = write_file(fmt::format("{}/{}", folder, name), *svg); !written) return written.error();
+    out.push_back(std::move(*svg));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<CostRow> effects_cost_rows(const EffectsCost& cost) {
@@ -109,12 +149,20 @@ std::vector<CostRow> effects_cost_rows(const EffectsCost& cost) {
                     .error = k.figure.empty() ? 0.0 : k.after - k.before,
                     .unit = "",
                     .reference = fmt::format("{:g}, the default", k.fallback)});
+  for (CostRow& row : ladder_rows(cost.ladders)) rows.push_back(std::move(row));
   return rows;
 }
 
 std::string effects_cost_tables(const EffectsCost& cost) {
-  std::string out = markdown_table(kPriceHeads, price_cells(cost));
-  if (!cost.knobs.empty()) out += "\n" + markdown_table(kKnobHeads, knob_cells(cost));
+  std::string out;
+  const auto add = [&out](const std::string& part) { out += (out.empty() ? "" : "\n") + part; };
+  if (!cost.prices.empty()) add(markdown_table(kPriceHeads, price_cells(cost)));
+  if (!cost.knobs.empty()) add(markdown_table(kKnobHeads, knob_cells(cost)));
+  if (cost.ladders.empty()) return out;
+  add(markdown_table(ladder_heads(), ladder_cells(cost.ladders)));
+  std::string notes;
+  for (const std::string& note : ladder_notes(cost.ladders)) notes += "- " + note + "\n";
+  if (!notes.empty()) add(notes);
   return out;
 }
 
@@ -139,22 +187,38 @@ std::string effects_cost_json(const EffectsCost& cost) {
                             {"after", k.after},
                             {"cpu_ms_per_s", k.cpu_ms},
                             {"default_cpu_ms_per_s", k.fallback_ms}});
+  out["accuracy"] = Json::array();
+  for (const Ladder& ladder : cost.ladders) out["accuracy"].push_back(ladder_json(ladder));
   return out.dump(2) + "\n";
 }
 
 Status write_effects_cost(const EffectsCost& cost, const std::string& folder) {
   if (const Status written = write_cost_csv(effects_cost_rows(cost), folder + "/cost.csv"); !written) return written;
   if (const Status written = write_file(folder + "/effects.md", effects_cost_tables(cost)); !written) return written;
-  const auto plot = draw_svg(price_plot(cost));
-  if (!plot) return plot.error();
-  if (const Status written = write_file(folder + "/effects.svg", *plot); !written) return written;
   HtmlPage html("The price of effects", "CPU time and memory of each effect of a scene, and what its keys change");
-  html.svg(*plot, "Blue: effects that the scene names; orange: others, added to it. Medians of runs that took turns.");
-  html.heading("With and without");
-  html.table(kPriceHeads, price_cells(cost));
+  if (!cost.prices.empty()) {
+    const auto plot = draw_svg(price_plot(cost));
+    if (!plot) return plot.error();
+    if (const Status written = write_file(folder + "/effects.svg", *plot); !written) return written;
+    html.svg(*plot, "Blue: effects that the scene names; orange: others, added to it. Medians of runs that took turns.");
+    html.heading("With and without");
+    html.table(kPriceHeads, price_cells(cost));
+  }
   if (!cost.knobs.empty()) {
     html.heading("Keys at half and at twice their default");
     html.table(kKnobHeads, knob_cells(cost));
+  }
+  if (!cost.ladders.empty()) {
+    html.heading("What accuracy costs");
+    const auto plots = write_ladder_plots(cost, folder);
+    if (!plots) return plots.error();
+    for (const std::string& plot : *plots)
+      html.svg(
+          plot,
+          "Error against a finer run, and time of the effect's steps, from coarse to fine; numbers are values of the key, a ring marks "
+          "that of the scene, a triangle an error below the axis.");
+    html.table(ladder_heads(), ladder_cells(cost.ladders));
+    for (const std::string& note : ladder_notes(cost.ladders)) html.paragraph(note);
   }
   return write_file(folder + "/effects.html", html.text());
 }

@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/stage/accuracy.h"
 #include "app/stage/stage_config.h"
 #include "app/stage/step_graph.h"
 #include "core/base/value_map.h"
@@ -171,6 +172,7 @@ struct EffectEntry {
   /// For the generated reference of scene files: texts of the table (TOML without the header line) that together cover the branches of
   /// `read`, so that every key appears. The empty table is always one of them and need not be listed.
   std::vector<std::string> samples = {};
+  EffectAccuracy accuracy = {};  ///< nothing: no figure of it depends on a step or a grid of its own
 };
 /// Its order determines the order of plans, of sums, and of steps that do not depend on each other.
 using EffectRegistry = std::vector<EffectEntry>;

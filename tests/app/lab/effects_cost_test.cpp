@@ -22,6 +22,7 @@ EffectsCostOptions short_runs() {
   out.repeats = 1;
   out.duration_s = 2.5;  // the bit reaches bone within the first second, and cuts after the second
   out.knobs = false;
+  out.ladders = false;
   return out;
 }
 
@@ -56,7 +57,7 @@ TEST_CASE("cost of effects: each of the registry is measured, or refused with a 
 TEST_CASE("cost of effects: keys at half and twice their default, and the figure that each changes") {
   EffectsCostOptions options = short_runs();
   options.knobs = true;
-  options.only = "irrigation";
+  options.only = {"irrigation"};
   const auto cost = measure_effects_cost(options);
   REQUIRE(cost);
   REQUIRE(cost->prices.size() == 1);
@@ -75,7 +76,7 @@ TEST_CASE("cost of effects: keys at half and twice their default, and the figure
 
 TEST_CASE("cost of effects: an effect that there is not is an error that names where they are listed") {
   EffectsCostOptions options = short_runs();
-  options.only = "heta";
+  options.only = {"heat", "heta"};
   const auto cost = measure_effects_cost(options);
   REQUIRE_FALSE(cost);
   CHECK(cost.error().message.find("burrhole docs scene") != std::string::npos);
