@@ -12,6 +12,7 @@
 #include "app/job/summary.h"
 #include "app/run/simulation.h"
 #include "app/scene/schema_samples.h"
+#include "app/stage/requirement.h"
 
 namespace burrhole {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kNothing = 1e-9;  // [-] relative change of a figure that count
 struct Trial {
   std::string table;
   std::vector<std::string> sets;
-  bool unset = false;
+  std::vector<std::string> unsets;  ///< the table, before it those that require it
 };
 
 Result<TomlDocument> document_of(const EffectsCostOptions& options, const Trial& trial) {
@@ -31,8 +32,8 @@ Result<TomlDocument> document_of(const EffectsCostOptions& options, const Trial&
   if (!document) return document.error();
   for (const std::string& set : trial.sets)
     if (const Status done = document->set(set); !done) return done.error();
-  if (trial.unset)
-    if (const Status done = document->unset(trial.table); !done) return done.error();
+  for (const std::string& unset : trial.unsets)
+    if (const Status done = document->unset(unset); !done) return done.error();
   if (options.duration_s > 0.0)
     if (const Status done = document->set(fmt::format("duration_s={}", options.duration_s)); !done) return done.error();
   return document;
@@ -110,14 +111,19 @@ class Bench {
     StudyTrial one{.key = {},
                    .name = fmt::format("[{}]{}{}", trial.table, trial.sets.empty() ? "" : " ", fmt::join(trial.sets, " ")),
                    .figures = kFixed + names->size()};
-    one.key.add("effects").add(options_.scene_file).add(trial.table).add(trial.unset ? 1.0 : 0.0).add(repeat).add(options_.duration_s);
+    one.key.add("effects")
+        .add(options_.scene_file)
+        .add(trial.table)
+        .add(static_cast<double>(trial.unsets.size()))
+        .add(repeat)
+        .add(options_.duration_s);
     for (const std::string& set : trial.sets) one.key.add(set);
     return study_.run(one, [&] { return drill_once(options_, trial); });
   }
 
   /// @returns the names of the figures of a trial, from a run that is not begun.
   [[nodiscard]] Result<std::vector<std::string>> names_of(const Trial& trial) {
-    const std::string key = trial.table + (trial.unset ? " without" : trial.sets.empty() ? "" : " with");
+    const std::string key = trial.table + (!trial.unsets.empty() ? " without" : trial.sets.empty() ? "" : " with");
     if (const auto found = names_.find(key); found != names_.end()) return found->second;
     const auto ready = prepare(options_, trial);
     if (!ready) return ready.error();
@@ -161,7 +167,7 @@ Trial trial_with(const EffectsCostOptions& options, const EffectEntry& effect, E
   for (const std::string& sample : effect.samples)
     if (sample.find('[') == std::string::npos) tables.push_back(sample);
   for (const std::string& lines : tables) {
-    Trial trial{effect.table, sets_of(effect.table, lines), false};
+    Trial trial{effect.table, sets_of(effect.table, lines), {}};
     const auto ready = prepare(options, trial);
     if (ready) {
       price.refused.clear();
@@ -243,17 +249,23 @@ Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
   if (!scene) return scene.error();
   Issues issues;
   const TableReader root = scene->root(issues);
+  const auto as_it_is = prepare(options, {});
+  if (!as_it_is) return as_it_is.error();
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read == nullptr || (!options.only.empty() && options.only != effect.table)) continue;
     EffectPrice price;
     price.table = effect.table;
     price.named = root.has(effect.table);
     price.given = "as in the scene";
-    Trial trial{effect.table, {}, true};
-    if (!price.named)
+    Trial trial{effect.table, {}, {}};
+    if (!price.named) {
       trial = trial_with(options, effect, price);
-    else if (const auto ready = prepare(options, trial); !ready)
-      price.refused = ready.error().message;
+    } else {
+      price.requiring = tables_that_require(effect.table, as_it_is->loaded->scene.effects, as_it_is->loaded->scene);
+      trial.unsets = price.requiring;
+      trial.unsets.emplace_back(effect.table);
+      if (const auto ready = prepare(options, trial); !ready) price.refused = ready.error().message;
+    }
     trials.push_back(std::move(trial));
     out.prices.push_back(std::move(price));
   }
@@ -262,28 +274,28 @@ Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options) {
   std::size_t values = 0;  // of keys
   for (std::size_t n = 0; n < trials.size() && options.knobs; ++n) {
     if (!out.prices[n].refused.empty()) continue;
-    const auto document = document_of(options, out.prices[n].named ? Trial{trials[n].table, {}, false} : trials[n]);
+    const auto document = document_of(options, out.prices[n].named ? Trial{trials[n].table, {}, {}} : trials[n]);
     if (document) values += 2 * number_keys(document->to_text(), trials[n].table).size();
   }
   Bench bench(options, 2 * possible * static_cast<std::size_t>(options.repeats) + values);
   for (std::size_t n = 0; n < trials.size(); ++n) {
     if (!out.prices[n].refused.empty()) continue;
-    const Trial as_it_is{trials[n].table, {}, false};
+    const Trial unchanged{trials[n].table, {}, {}};
     std::vector<std::vector<double>> scenes, others;
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
-      auto scene_run = bench.run(as_it_is, repeat);
+      auto scene_run = bench.run(unchanged, repeat);
       if (!scene_run) return scene_run.error();
       auto other_run = bench.run(trials[n], repeat);
       if (!other_run) return other_run.error();
       scenes.push_back(std::move(*scene_run));
       others.push_back(std::move(*other_run));
     }
-    const auto names = bench.names_of(as_it_is), other_names = bench.names_of(trials[n]);
+    const auto names = bench.names_of(unchanged), other_names = bench.names_of(trials[n]);
     if (!names || !other_names) return names ? other_names.error() : names.error();
     out.prices[n].scene = merged(std::move(scenes), *names);
     out.prices[n].other = merged(std::move(others), *other_names);
     if (!options.knobs) continue;
-    const Trial& with = out.prices[n].named ? as_it_is : trials[n];
+    const Trial& with = out.prices[n].named ? unchanged : trials[n];
     if (const Status done = measure_knobs(options, with, bench, out); !done) return done.error();
   }
   return out;
