@@ -28,9 +28,11 @@ Error at(Error error, const std::string& path) {
   return error;
 }
 
-/// An error of a label volume at the key that names it, if there is one: the file's own place goes into the text then.
-Error of_labels(const Error& error, const BonePlaces& places) {
-  return places.labels.empty() ? error : Error{error.code, error.text(), places.labels};
+/// An error of a label volume, or of its table, at the key that names the file, if there is one: the file's own place goes into the text then.
+Error of_labels(const Error& error, const BoneOptions& bone) {
+  const std::string& table = bone.label_files.table;
+  const std::string& place = !table.empty() && error.place.starts_with(table) ? bone.places.label_table : bone.places.labels;
+  return place.empty() ? error : Error{error.code, error.text(), place};
 }
 
 /// Estimated bytes of the three fields, and of the nodes of the sparse grids.
@@ -268,7 +270,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
   if (scan.quantity == Quantity::occupancy && sampled && request.read.pitch && !bone.region) bone.spacing.reset();
   if (!bone.label_files.volume.empty()) {
     auto labels = read_label_volume(bone.label_files, scan);
-    if (!labels) return of_labels(labels.error(), bone.places);
+    if (!labels) return of_labels(labels.error(), bone);
     bone.labels = std::make_shared<const LabelVolume>(std::move(labels).value());
   }
   auto made = make_bone(scan, bone, out.report.scan.assumed, place);

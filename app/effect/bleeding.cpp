@@ -13,6 +13,7 @@
 #include "app/stage/bleeding_state.h"
 #include "app/stage/coolant.h"
 #include "app/stage/instruments.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "app/view/blood_mesh.h"
 #include "core/base/units.h"
@@ -235,7 +236,7 @@ class BleedingEffect final : public Effect, public PictureSource {
 constexpr std::pair<const char*, Wax> kWaxWords[] = {
     {"none", Wax::none}, {"after", Wax::after}, {"drilled", Wax::drilled}, {"switch", Wax::by_switch}};
 
-class BleedingPlan final : public SwitchedPlan<BleedingPlan, BleedingScene> {
+class BleedingPlan final : public SwitchedPlan<BleedingPlan, BleedingScene>, public RequiringPlan {
  public:
   explicit BleedingPlan(TableReader& table) {
     BleedingScene& c = config_;
@@ -284,8 +285,8 @@ class BleedingPlan final : public SwitchedPlan<BleedingPlan, BleedingScene> {
         .bytes = bytes,
         .start_bytes = bytes + voxels * 2 * sizeof(float)};
   }
-  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.removes) out.push_back("[bleeding] without [erosion]: no bone is opened, so nothing bleeds");
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    return {{.table = "erosion", .met = needs.removes, .without = "no bone is opened, so nothing bleeds"}};
   }
   std::string setting() const override {
     return fmt::format("bleeding at {:g} kPa{}", config_.blood.pressure * 1e-3, config_.wax == Wax::none ? "" : ", wax");

@@ -10,6 +10,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/drill_clutch.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
@@ -202,7 +203,7 @@ class ClutchEffect final : public Effect {
   const BoneRemoval* removal_ = nullptr;
 };
 
-class ClutchPlan final : public ConfigPlan<ClutchPlan, ClutchScene> {
+class ClutchPlan final : public ConfigPlan<ClutchPlan, ClutchScene>, public RequiringPlan {
  public:
   explicit ClutchPlan(TableReader& table) {
     ClutchConfig& c = config_.clutch;
@@ -253,12 +254,13 @@ class ClutchPlan final : public ConfigPlan<ClutchPlan, ClutchScene> {
             .rate_hz = static_cast<double>(context.needs.simulation_hz),
             .bytes = sizeof(ClutchEffect) + points * (2 * sizeof(float) + 1) + nodes * (3 * sizeof(float) + 1)};
   }
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    return {{.table = "contact", .met = needs.feels, .without = "nothing presses the tip, so the clutch never engages"},
+            {.table = "erosion", .met = needs.removes, .without = "no bone is cut, so the tip never loses its support"}};
+  }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.feels)
-      out.push_back("[clutch] without [contact]: nothing presses the tip, so the clutch never engages and nothing is cut");
-    if (!context.needs.removes) out.push_back("[clutch] without [erosion]: no bone is cut, so the tip never loses its support");
-    if (context.needs.feels && context.config.hand.push <= config_.clutch.engage_force * (1.0 - config_.clutch.wear) &&
-        !context.config.feed_hand && !context.config.goal_hand)
+    if (context.config.hand.push <= config_.clutch.engage_force * (1.0 - config_.clutch.wear) && !context.config.feed_hand &&
+        !context.config.goal_hand)
       out.push_back(fmt::format("[clutch] hand.push_N = {:.3g} does not engage it: the tip takes {:.3g} N", context.config.hand.push,
                                 config_.clutch.engage_force * (1.0 - config_.clutch.wear)));
   }

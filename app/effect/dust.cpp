@@ -11,6 +11,7 @@
 #include "app/stage/coolant.h"
 #include "app/stage/drill_clutch.h"
 #include "app/stage/instruments.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "app/view/debris_mesh.h"
 #include "core/base/random.h"
@@ -242,7 +243,7 @@ SuctionConfig read_suction(TableReader table) {
   return c;
 }
 
-class DustPlan final : public SwitchedPlan<DustPlan, DustScene> {
+class DustPlan final : public SwitchedPlan<DustPlan, DustScene>, public RequiringPlan {
  public:
   explicit DustPlan(TableReader& table) {
     DustScene& c = config_;
@@ -289,8 +290,8 @@ class DustPlan final : public SwitchedPlan<DustPlan, DustScene> {
             .rate_hz = static_cast<double>(context.needs.simulation_hz),
             .bytes = sizeof(DustEffect) + voxels + count * sizeof(float) + DebrisField::bytes_of(config_.field, count)};
   }
-  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.removes) out.push_back("[dust] without [erosion]: no bone is cut, so there are no chips");
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    return {{.table = "erosion", .met = needs.removes, .without = "no bone is cut, so there are no chips"}};
   }
   std::string setting() const override { return fmt::format("dust, at most {} particles", config_.field.most_particles); }
 

@@ -9,6 +9,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/drill_clutch.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/drill/cut_face.h"
@@ -178,7 +179,7 @@ class ErosionEffect final : public Effect {
   const DrillClutch* clutch_ = nullptr;
 };
 
-class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
+class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig>, public RequiringPlan {
  public:
   ErosionPlan(TableReader& table, const StageConfig& stage) {
     ErosionConfig& c = config_;
@@ -238,6 +239,13 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
             .bytes = erosion_bytes(config_, tool, drilling_way(context.config, context.bone), context.voxel_edge(), context.window_voxels)};
   }
 
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    if (config_.law == ErosionLaw::rate || config_.law == ErosionLaw::per_update) return {};
+    return {{.table = "contact",
+             .met = needs.feels,
+             .without = "there is no thrust, so nothing is removed",
+             .keys = fmt::format("law = \"{}\"", name_of(config_.law))}};
+  }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const bool keyless = config_.law != ErosionLaw::rate && config_.law != ErosionLaw::energy;  // without the key subvoxel
     if (context.needs.holds_back && context.config.tool.spin > 0.0 && !config_.subvoxel)
@@ -249,11 +257,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
           "[erosion] subvoxel = true moves the face at a density of 0.5, but contact.mode = \"paper\" is in contact where density is above "
           "0, "
           "which is above that face: set erosion.subvoxel = false");
-    if (context.needs.feels) return;
-    if (config_.law != ErosionLaw::rate && config_.law != ErosionLaw::per_update)
-      out.push_back(std::string("[erosion] law = \"") + name_of(config_.law) +
-                    "\" without [contact]: there is no thrust, so nothing is removed");
-    out.push_back("no [contact]: no force acts on the hand, and the tool follows the script through bone");
+    if (!context.needs.feels) out.push_back("no [contact]: no force acts on the hand, and the tool follows the script through bone");
   }
 
   std::string setting() const override {

@@ -9,6 +9,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/drill_clutch.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 
@@ -47,7 +48,7 @@ class FrictionEffect final : public Effect {
   std::uint64_t sliding_ = 0;
 };
 
-class FrictionPlan final : public ConfigPlan<FrictionPlan, FrictionConfig> {
+class FrictionPlan final : public ConfigPlan<FrictionPlan, FrictionConfig>, public RequiringPlan {
  public:
   FrictionPlan(TableReader& table, const StageConfig&) {
     config_.static_coefficient = table.number("static_coefficient", within(config_.static_coefficient, 0.0, 2.0),
@@ -67,8 +68,8 @@ class FrictionPlan final : public ConfigPlan<FrictionPlan, FrictionConfig> {
             .rate_hz = static_cast<double>(context.needs.contact_hz > 0 ? context.needs.contact_hz : context.config.servo_hz),
             .bytes = sizeof(FrictionEffect)};
   }
-  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.feels) out.push_back("[friction] without [contact]: there is no normal force, so there is no friction");
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    return {{.table = "contact", .met = needs.feels, .without = "there is no normal force, so there is no friction"}};
   }
   std::string setting() const override {
     return fmt::format("friction {:g}/{:g}", config_.static_coefficient, config_.kinetic_coefficient);

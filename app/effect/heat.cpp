@@ -9,6 +9,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/coolant.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "app/view/heat_mesh.h"
 #include "core/config/rules.h"
@@ -178,7 +179,7 @@ class HeatEffect final : public Effect {
   const Coolant* coolant_ = nullptr;
 };
 
-class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
+class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene>, public RequiringPlan {
  public:
   explicit HeatPlan(TableReader& table) {
     HeatScene& c = config_;
@@ -226,8 +227,8 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
         .bytes = sizeof(HeatEffect) + HeatField::bytes_of(domain.count()) +
                  (config_.picture ? HeatPicture::bytes_of(domain.count(), BoneCells(config_.cell_voxels).voxels_of(domain).count()) : 0)};
   }
-  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.removes) out.push_back("[heat] without [erosion]: no bone is cut, so nothing is warmed");
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    return {{.table = "erosion", .met = needs.removes, .without = "no bone is cut, so nothing is warmed"}};
   }
   std::string setting() const override { return fmt::format("heat, {:g} of the work into bone", config_.share); }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "app/effect/registry.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
@@ -49,7 +50,7 @@ class SpindleEffect final : public Effect {
   double* spin_ = nullptr;
 };
 
-class SpindlePlan final : public ConfigPlan<SpindlePlan, SpindleConfig> {
+class SpindlePlan final : public ConfigPlan<SpindlePlan, SpindleConfig>, public RequiringPlan {
  public:
   SpindlePlan(TableReader& table, const StageConfig&) {
     config_.stall_torque =
@@ -68,9 +69,12 @@ class SpindlePlan final : public ConfigPlan<SpindlePlan, SpindleConfig> {
             .rate_hz = static_cast<double>(context.needs.simulation_hz),
             .bytes = sizeof(SpindleEffect)};
   }
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    constexpr const char* kWithout = "there is no cutting torque, so it does not slow";
+    return {{.table = "contact", .met = needs.feels, .without = kWithout}, {.table = "erosion", .met = needs.removes, .without = kWithout}};
+  }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.removes || !context.needs.feels || context.config.tool.spin <= 0.0)
-      out.push_back("[spindle] without [contact], [erosion] and a spin: there is no cutting torque, so it does not slow");
+    if (context.config.tool.spin <= 0.0) out.push_back("[spindle] the tool's spin is 0: there is no cutting torque, so it does not slow");
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {

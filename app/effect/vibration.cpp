@@ -8,6 +8,7 @@
 #include "app/effect/passive_keys.h"
 #include "app/effect/registry.h"
 #include "app/stage/drill_clutch.h"
+#include "app/stage/requirement.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/drill/balance_point.h"
@@ -153,7 +154,7 @@ DrillingForceConfig read_drilling(TableReader table) {
   return c;
 }
 
-class VibrationPlan final : public ConfigPlan<VibrationPlan, VibrationScene> {
+class VibrationPlan final : public ConfigPlan<VibrationPlan, VibrationScene>, public RequiringPlan {
  public:
   explicit VibrationPlan(TableReader& table) {
     VibrationScene& c = config_;
@@ -193,11 +194,12 @@ class VibrationPlan final : public ConfigPlan<VibrationPlan, VibrationScene> {
             .rate_hz = static_cast<double>(context.config.servo_hz),
             .bytes = sizeof(VibrationEffect) + (config_.drilling ? BalancePoint::kMostPlaces * 2 * sizeof(Vec3) : 0)};
   }
-  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (context.needs.removes) return;
-    if (config_.by_chips) out.push_back("[vibration] source = \"chips\" without [erosion]: no chips are cut, so nothing vibrates");
+  std::vector<Requirement> requirements(const Needs& needs) const override {
+    std::vector<Requirement> out;
+    if (config_.by_chips) out.push_back({"erosion", needs.removes, "no chips are cut, so nothing vibrates", "source = \"chips\""});
     if (config_.drilling)
-      out.push_back("[vibration.drilling_force] without [erosion]: the bone before the drill is not known, so there is no force");
+      out.push_back({"erosion", needs.removes, "the bone before the drill is not known, so there is no force", "drilling_force"});
+    return out;
   }
   std::string setting() const override {
     return (config_.by_chips ? std::string("vibration by chips") : fmt::format("vibration {:g} N", config_.steady.amplitude)) +

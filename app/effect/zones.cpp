@@ -216,8 +216,8 @@ ZoneSpec read_zone(TableReader& table) {
   ZoneSpec out;
   out.place = table.place();
   out.name = table.text("name", {}, "name of the zone in figures: small letters, digits and _");
-  if (out.name.empty() ||
-      !std::ranges::all_of(out.name, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; }))
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  if (table.has("name") && (out.name.empty() || !std::ranges::all_of(out.name, allowed)))
     table.fault("name", "must be of small letters, digits and _");
   const auto from = table.optional_numbers("from_mm", 3, length, "start of a tube, such as a venous sinus, bone frame; in place of label");
   if (!from) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "app/stage/requirement.h"
+
 namespace burrhole {
 namespace {
 
@@ -44,14 +46,19 @@ class Bench {
     StudyTrial one{.key = {},
                    .name = fmt::format("[{}]{}{}", trial.table, trial.sets.empty() ? "" : " ", fmt::join(trial.sets, " ")),
                    .figures = kFixed + names->size()};
-    one.key.add("effects").add(options_.scene_file).add(trial.table).add(trial.unset ? 1.0 : 0.0).add(repeat).add(options_.duration_s);
+    one.key.add("effects")
+        .add(options_.scene_file)
+        .add(trial.table)
+        .add(static_cast<double>(trial.unsets.size()))
+        .add(repeat)
+        .add(options_.duration_s);
     for (const std::string& set : trial.sets) one.key.add(set);
     return study_.run(one, [&] { return drill_once(options_, trial); });
   }
 
   /// @returns the names of the figures of a trial, from a run that is not begun.
   [[nodiscard]] Result<std::vector<std::string>> names_of(const EffectTrial& trial) {
-    const std::string key = trial.table + (trial.unset ? " without" : trial.sets.empty() ? "" : " with");
+    const std::string key = trial.table + (!trial.unsets.empty() ? " without" : trial.sets.empty() ? "" : " with");
     if (const auto found = names_.find(key); found != names_.end()) return found->second;
     auto ready = prepare(options_, trial);
     if (!ready) return ready.error();
@@ -143,20 +150,25 @@ Result<std::vector<Priced>> priced_effects(const EffectsCostOptions& options) {
   if (!scene) return scene.error();
   Issues issues;
   const TableReader root = scene->root(issues);
+  const auto as_it_is = prepare(options, {});
+  if (!as_it_is) return as_it_is.error();
   for (const EffectEntry& effect : *options.context.registry) {
     if (effect.read == nullptr || !is_named(options.only, effect.table)) continue;
     EffectPrice price;
     price.table = effect.table;
     price.named = root.has(effect.table);
     price.given = "as in the scene";
-    EffectTrial trial{effect.table, {}, true};
+    EffectTrial trial{effect.table};
     if (!price.named) {
       AddedTable added = added_table(options, effect);
       trial = std::move(added.trial);
       price.given = std::move(added.given);
       price.refused = std::move(added.refused);
-    } else if (const auto ready = prepare(options, trial); !ready) {
-      price.refused = ready.error().message;
+    } else {
+      price.requiring = tables_that_require(effect.table, as_it_is->loaded->scene.effects, as_it_is->loaded->scene);
+      trial.unsets = price.requiring;
+      trial.unsets.emplace_back(effect.table);
+      if (const auto ready = prepare(options, trial); !ready) price.refused = ready.error().message;
     }
     out.push_back({std::move(price), std::move(trial)});
   }

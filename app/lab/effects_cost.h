@@ -25,10 +25,11 @@ struct EffectRun {
 
 struct EffectPrice {
   std::string table;
-  bool named = false;      ///< the scene names it: `other` is the scene without it; otherwise the scene with it
-  std::string given;       ///< the lines of the table that were added, or "as in the scene"
-  std::string refused;     ///< why the scene cannot be drilled so; empty: it can
-  EffectRun scene, other;  ///< as it is; with the effect, or without it
+  bool named = false;                  ///< the scene names it: `other` is the scene without it; otherwise the scene with it
+  std::vector<std::string> requiring;  ///< tables of the scene that require it: `other` is without them too
+  std::string given;                   ///< the lines of the table that were added, or "as in the scene"
+  std::string refused;                 ///< why the scene cannot be drilled so; empty: it can
+  EffectRun scene, other;              ///< as it is; with the effect, or without it
   [[nodiscard]] double added_ms() const noexcept { return named ? scene.cpu_ms - other.cpu_ms : other.cpu_ms - scene.cpu_ms; }
 };
 

@@ -27,6 +27,11 @@ std::string number_text(double value, const char* format = "{:.4g}") {
 const std::vector<std::string> kPriceHeads{"effect",    "drilled",     "without [ms/s]",  "with [ms/s]",      "costs [ms/s]",
                                            "share [%]", "memory [kB]", "bone and forces", "breakthrough [s]", "plunge [mm]"};
 
+/// @returns the words for an effect that the scene names: its price includes that of the tables that require it.
+std::string named_text(const EffectPrice& price) {
+  return price.requiring.empty() ? "named by the scene" : fmt::format("named by the scene, with [{}]", fmt::join(price.requiring, "], ["));
+}
+
 Cells price_cells(const EffectsCost& cost) {
   Cells out;
   for (const EffectPrice& p : cost.prices) {
@@ -36,11 +41,10 @@ Cells price_cells(const EffectsCost& cost) {
       continue;
     }
     const EffectRun &without = p.named ? p.other : p.scene, &with = p.named ? p.scene : p.other;
-    out.push_back({p.table, p.named ? "named by the scene" : p.given, fmt::format("{:.1f}", without.cpu_ms),
-                   fmt::format("{:.1f}", with.cpu_ms), fmt::format("{:+.1f}", p.added_ms()),
-                   fmt::format("{:+.1f}", 100.0 * p.added_ms() / without.cpu_ms), fmt::format("{:.1f}", with.bytes / 1e3),
-                   with.bits == without.bits ? "same bits" : "changed", number_text(figure_of(p.other, "breakthrough_s"), "{:.2f}"),
-                   number_text(figure_of(p.other, "plunge_mm"), "{:.2f}")});
+    out.push_back({p.table, p.named ? named_text(p) : p.given, fmt::format("{:.1f}", without.cpu_ms), fmt::format("{:.1f}", with.cpu_ms),
+                   fmt::format("{:+.1f}", p.added_ms()), fmt::format("{:+.1f}", 100.0 * p.added_ms() / without.cpu_ms),
+                   fmt::format("{:.1f}", with.bytes / 1e3), with.bits == without.bits ? "same bits" : "changed",
+                   number_text(figure_of(p.other, "breakthrough_s"), "{:.2f}"), number_text(figure_of(p.other, "plunge_mm"), "{:.2f}")});
   }
   return out;
 }
@@ -170,7 +174,11 @@ std::string effects_cost_json(const EffectsCost& cost) {
   using Json = nlohmann::ordered_json;
   Json out{{"schema", "burrhole.cost_effects/1"}, {"effects", Json::array()}, {"knobs", Json::array()}};
   for (const EffectPrice& p : cost.prices) {
-    Json one{{"table", p.table}, {"named", p.named}, {"given", p.given}, {"refused", p.refused.empty() ? Json() : Json(p.refused)}};
+    Json one{{"table", p.table},
+             {"named", p.named},
+             {"given", p.given},
+             {"requiring", p.requiring},
+             {"refused", p.refused.empty() ? Json() : Json(p.refused)}};
     if (p.refused.empty()) {
       one["scene"] = run_json(p.scene);
       one[p.named ? "without" : "with"] = run_json(p.other);

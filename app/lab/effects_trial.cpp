@@ -33,8 +33,8 @@ Result<TomlDocument> document_of(const TrialScene& scene, const EffectTrial& tri
   if (!document) return document.error();
   for (const std::string& set : trial.sets)
     if (const Status done = document->set(set); !done) return done.error();
-  if (trial.unset)
-    if (const Status done = document->unset(trial.table); !done) return done.error();
+  for (const std::string& unset : trial.unsets)
+    if (const Status done = document->unset(unset); !done) return done.error();
   if (scene.duration_s > 0.0)
     if (const Status done = document->set(fmt::format("duration_s={}", scene.duration_s)); !done) return done.error();
   return document;

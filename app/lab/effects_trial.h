@@ -28,7 +28,7 @@ struct TrialScene {
 struct EffectTrial {
   std::string table;
   std::vector<std::string> sets{};  ///< as TomlDocument::set() takes them
-  bool unset = false;
+  std::vector<std::string> unsets{};  ///< the table, before it those that require it
 };
 
 /// A simulation that is ready to run.

@@ -80,7 +80,8 @@ Error placed(Error error, const VolumeScene& volume) {
     error.message += "; the region lies round entry_mm of [approach]: correct that, or give the scan that holds it as source";
     return error;
   }
-  if (error.place == places.band || error.place == places.spacing || (!places.labels.empty() && error.place == places.labels)) return error;
+  for (const std::string* key : {&places.band, &places.spacing, &places.labels, &places.label_table})
+    if (!key->empty() && error.place == *key) return error;
   return {error.code, error.text(), volume.place};
 }
 

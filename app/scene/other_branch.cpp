@@ -29,6 +29,17 @@ std::string in_schema(std::string_view path) {
   return out;
 }
 
+/// The words of a TableReader: unknown table [TABLE.KEY].
+std::optional<std::pair<std::string, std::string>> unknown_table(const std::string& message) {
+  constexpr std::string_view kBefore = "unknown table [";
+  if (!message.starts_with(kBefore)) return std::nullopt;
+  const std::size_t end = message.find_last_of(']', message.find(';'));
+  if (end == std::string::npos) return std::nullopt;
+  const std::string path = message.substr(kBefore.size(), end - kBefore.size());
+  const std::size_t dot = path.rfind('.');
+  return dot == std::string::npos ? std::pair(std::string(), path) : std::pair(path.substr(0, dot), path.substr(dot + 1));
+}
+
 /// The words of a TableReader: unknown key "KEY" in [TABLE]; in a file without tables only the key.
 std::optional<std::pair<std::string, std::string>> unknown_key(const std::string& message) {
   constexpr std::string_view kBefore = "unknown key \"", kBetween = "\" in [";
@@ -73,19 +84,20 @@ std::optional<std::string> when_read(std::string_view path, std::string_view key
 
 void explain_unknown_keys(Issues& issues) {
   for (Error& issue : issues) {
-    const auto unknown = unknown_key(issue.message);
+    const auto table = unknown_table(issue.message);
+    const auto unknown = table ? table : unknown_key(issue.message);
     if (!unknown) continue;
     const auto& [path, key] = *unknown;
     const auto condition = when_read(path, key);
     if (!condition) {
-      const auto reference = path.empty() || !issue.message.ends_with(']') ? std::nullopt : reference_of(in_schema(path));
+      const auto reference = table || path.empty() || !issue.message.ends_with(']') ? std::nullopt : reference_of(in_schema(path));
       if (reference) issue.message += fmt::format("; burrhole docs {} lists its keys", *reference);
       continue;
     }
-    const std::string name = path.empty() ? key : path + "." + key;
+    const std::string full = path.empty() ? key : path + "." + key, name = table ? "[" + full + "]" : full;
     const bool not_with = condition->starts_with("not ");
-    issue.message = fmt::format("{} is {} {}: remove the key, or change that choice", name, not_with ? "not read" : "read",
-                                not_with ? condition->substr(std::string_view("not ").size()) : *condition);
+    issue.message = fmt::format("{} is {} {}: remove the {}, or change that choice", name, not_with ? "not read" : "read",
+                                not_with ? condition->substr(std::string_view("not ").size()) : *condition, table ? "table" : "key");
   }
 }
 

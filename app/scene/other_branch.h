@@ -1,4 +1,4 @@
-/// app/scene/other_branch.h: says of a key that is unknown in one file which choice in the file would read it.
+/// app/scene/other_branch.h: says of a key or table that is unknown in one file which choice in the file would read it.
 ///   Uses the samples of schema_samples.h, so every choice of the reference is covered.   Thread  any.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace burrhole {
 /// always do.
 [[nodiscard]] std::optional<std::string> when_read(std::string_view path, std::string_view key);
 
-/// Rewrites each issue of a TableReader about an unknown key that another choice in the file would read, with the next step.
+/// Rewrites each issue of a TableReader about an unknown key or table that another choice in the file would read, with the next step.
 void explain_unknown_keys(Issues& issues);
 
 }  // namespace burrhole

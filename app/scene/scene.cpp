@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "app/scene/volume_scene.h"
+#include "app/stage/requirement.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "volumes/phantom/head_sites.h"
@@ -320,6 +321,12 @@ void read_effects(TableReader& root, const SceneContext& context, Scene& scene, 
   }
 }
 
+/// Pushes an issue at each table that has no effect without another one. For a scene without other errors, of which these may be consequences.
+void check_requirements(const TableReader& root, const Scene& scene, Issues& issues) {
+  for (const UnmetRequirement& unmet : unmet_requirements(scene.effects, scene))
+    issues.push_back(bad_input(unmet.text(), root.place_of(unmet.table)));
+}
+
 }  // namespace
 
 /// @returns whether [tool] name is the path of a file, and not a name.
@@ -399,20 +406,24 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "rate of the servo; every other rate divides it"));
 
   std::string push_place;
-  const auto required = [&](const char* name, const char* about) {
+  const auto required = [&](const char* name, const char* about, const char* keys) {
     auto table = root.table(name, about);
-    if (!table) root.fault(name, "is missing: every scene needs this table");
+    if (!table && !root.has(name))
+      issues.push_back(bad_input(fmt::format("[{}] is missing: every scene needs this table; add it{}", name, keys), scene.file + ":1:1"));
     return table;
   };
-  if (auto table = required("volume", "the bone; required")) scene.volume = read_volume(*table, scene.file);
-  if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
-  if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
+  if (auto table = required("volume", "the bone; required", " with the key source")) scene.volume = read_volume(*table, scene.file);
+  if (auto table = required("tool", "the bit and its spindle; required", " with the keys name and spin_rpm"))
+    scene.tool = read_tool(*table, scene.file, context);
+  if (auto table =
+          required("approach", "where the drill enters the bone, and its direction; required", " with the key entry_mm, site or markups"))
     scene.approach = read_approach(*table, scene.volume, scene.file);
   if (scene.volume.phantom) {
     scene.volume.phantom->head_entry = scene.approach.entry;
     scene.volume.phantom->head_axis = scene.approach.axis;
   }
-  if (auto table = required("hand", "the hand that holds the drill; required")) read_hand(*table, scene, issues, push_place);
+  if (auto table = required("hand", "the hand that holds the drill; required", "; it may be empty"))
+    read_hand(*table, scene, issues, push_place);
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     read_servo(*table, scene);
@@ -438,6 +449,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
                                push_place));
   read_effects(root, context, scene, issues);
   root.finish();
+  if (issues.size() == before) check_requirements(root, scene, issues);
   if (issues.size() != before) return std::nullopt;
   return scene;
 }

@@ -122,9 +122,13 @@ ramp_s = 0.2
                              ('layers = "segment"\nleast_dip = 2', "least_dip"),
                              ('layers = "segment"\nblur_mm = 9', "blur_mm")):
             with self.subTest(extra):
-                result = run("drill", self.scene(extra), "--out", self.folder / "never", "--quiet")
+                scene = self.scene(extra)
+                result = run("drill", scene, "--out", self.folder / "never", "--quiet")
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(words, result.stderr)
+                if "table.txt" in extra:  # at the table's own key, not at that of the label volume
+                    line = next(n for n, one in enumerate(scene.read_text().splitlines(), 1) if one.startswith("label_table"))
+                    self.assertIn(f"{scene}:{line}:1: ", result.stderr)
                 self.assertRegex(result.stderr, r"scene\.toml:\d+:\d+: ")
                 self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
                 self.assertFalse((self.folder / "never").exists())

@@ -2,12 +2,14 @@
 """A scene that does not name an effect executes not one instruction for it: its steady ticks cost the same, instruction for instruction, as
 those of the same objects linked with a registry of only the effects that it names. The scene as shipped shows it for the effects that it does
 not name, and a copy without any effect, against an empty registry, for all of them. All code counts but the C library's: how memcmp reads
-depends on the addresses that it is given. Skipped (77) without valgrind or AVX2.
+depends on the addresses that it is given. The same programs also agree in bytes allocated and not given back, once set up and after the run, in
+allocations, threads, columns of a session, and in what a display receives, on which alone depends which shader programs are linked. Skipped (77)
+without valgrind or AVX2.
 
     absent_effect_test.py STEADY_TICKS STEADY_TICKS_NAMED STEADY_TICKS_NONE SCENE TOOL_FOLDER REGISTRY
 
-The sabotage: with [friction] in the scene the count must rise, and a program whose registry lacks an effect must refuse a scene with it.
-[sound] in a run that nobody hears costs no instruction either.
+The sabotage: with [friction] or [dust] in the scene the counts must rise, a thread that sleeps must count, and a program whose registry lacks an
+effect must refuse a scene with it. [sound] in a run that nobody hears costs no instruction either.
 """
 import pathlib
 import re
@@ -19,6 +21,8 @@ import tempfile
 SKIPPED = 77
 FRICTION = "friction.static_coefficient=0.4"
 SOUND = "sound.volume=0.4"
+DUST = "dust={}"
+COUNTS = ["ready_bytes", "ready_allocations", "ready_threads", "ran_bytes", "ran_allocations", "ran_threads", "columns", "texels", "added", "pictures"]
 
 
 def run(program, scene, tools, profile, *sets):
@@ -70,10 +74,35 @@ def counted(program, lacking, scene, tools):
     cost_lacking, drilled_lacking = count(lacking, scene, tools)
     print(f"{pathlib.Path(scene).name}: {cost} instructions with all effects in the registry, {cost_lacking} with those that the scene names")
     if drilled != drilled_lacking:
-        sys.exit(f"not the same run:\n{drilled}{drilled_lacking}")
+        sys.exit(f"not the same run, memory, threads or columns:\n{drilled}{drilled_lacking}")
     if cost != cost_lacking:
         sys.exit("an effect that the scene does not name costs instructions")
     return cost
+
+
+def counts(program, scene, tools, *arguments):
+    """@returns what a run without callgrind prints as NAME=NUMBER."""
+    done = subprocess.run([program, scene, tools, *arguments], capture_output=True, text=True, timeout=300)
+    if done.returncode != 0:
+        sys.exit(f"{program} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return {name: int(value) for name, value in re.findall(r"(\w+)=(\d+)", done.stdout)}
+
+
+def check_counts(program, with_named, scene, tools):
+    """Memory, threads, columns and pictures of the programs agree, and each count sees an effect that the scene names."""
+    whole, lacking = (counts(one, scene, tools, "--picture") for one in (program, with_named))
+    dusty, waiting = counts(program, scene, tools, "--picture", DUST), counts(program, scene, tools, "--picture", "--thread")
+    print(f"with all effects {whole}\nwith those of the scene {lacking}\nwith [dust] {dusty}")
+    if sorted(whole) != sorted(COUNTS + ["tissue", "soft"]) or whole != lacking:
+        sys.exit("an effect that the scene does not name costs memory, a thread, a column or part of a picture")
+    for name in ("ready_bytes", "ready_allocations", "ran_bytes", "ran_allocations", "columns", "added"):
+        if dusty[name] <= whole[name]:
+            sys.exit(f"{name} does not see [dust]")
+    if whole["added"] != 0 or not whole["pictures"] > 0 or not whole["texels"] > 0:
+        sys.exit("no picture was drawn, or one with more than bone and tool")
+    for name in ("ready_threads", "ran_threads"):
+        if waiting[name] != whole[name] + 1:
+            sys.exit(f"{name} does not see a thread")
 
 
 def main():
@@ -91,6 +120,7 @@ def main():
         bare = pathlib.Path(folder) / "bare.toml"
         bare.write_text(re.sub(rf"^\[({'|'.join(named)})\][^\n]*\n(?:(?!\[).*\n)*", "", text, flags=re.M), encoding="utf-8")
         bare_cost = counted(program, with_none, str(bare), tools)
+    check_counts(program, with_named, scene, tools)
     rubbing, _ = count(program, scene, tools, FRICTION)
     unheard, _ = count(program, scene, tools, SOUND)
     print(f"{rubbing} with [friction] in the scene")

@@ -83,7 +83,8 @@ struct Twin {
 };
 /// The clutch in steps of 1 us under a reaction [N] per step of `dt`.
 Twin follow(const std::vector<double>& reaction, const ClutchConfig& c, double dt) {
-  const double preload = c.engage_force - c.stiffness * c.travel, least = c.engage_force - c.stiffness * c.teeth;
+  const double left = 1.0 - c.wear, stiffness = left * c.stiffness;
+  const double preload = left * c.engage_force - stiffness * c.travel, least = left * c.engage_force - stiffness * c.teeth;
   Twin out;
   double x = 0.0, lost = 0.0;
   bool engaged = false, supported = false;
@@ -93,7 +94,7 @@ Twin follow(const std::vector<double>& reaction, const ClutchConfig& c, double d
     if (reaction[n] < least && supported) lost = from;
     supported = reaction[n] >= least;
     for (long part = 0; part < parts; ++part) {
-      x = std::clamp(x + 1e-6 / c.damping * (reaction[n] - preload - c.stiffness * x), 0.0, c.travel);
+      x = std::clamp(x + 1e-6 / c.damping * (reaction[n] - preload - stiffness * x), 0.0, c.travel);
       if (!engaged) {
         engaged = x >= 0.999 * c.travel;
       } else if (x < c.travel - c.teeth) {
@@ -166,6 +167,31 @@ TEST_CASE("clutch: it releases when the recorded reaction of the tip says so: th
   CHECK(std::ranges::count(on, 1.0) > 100);
   // Sabotage: a twin whose teeth part at nearly the force that engages them.
   CHECK(std::abs(sabotaged.released - out.released) > 1e-3);
+}
+
+// travel_mm is not among them: the preload is engage_N - spring x travel_mm, so that the teeth part at the same reaction.
+TEST_CASE("clutch: each key of the spring moves the release to the instant of the closed form under the recorded reaction") {
+  struct Case {
+    std::string keys;
+    ClutchConfig config;
+  };
+  const Case cases[] = {{"spring_N_per_mm = 6\n", {.stiffness = 6000.0}},
+                        {"teeth_mm = 0.2\n", {.teeth = 0.2e-3}},
+                        {"damping_N_s_per_m = 400\n", {.damping = 400.0}},
+                        {"wear = 0.3\n", {.wear = 0.3}}};
+  const TemporaryFolder folder;
+  for (const Case& one : cases) {
+    CAPTURE(one.keys);
+    DrillRun run(plate("[record]\n[clutch]\n" + one.keys, {"erosion.rate_hz=100"}));
+    run_recorded(run, folder.file("run.sqlite"));
+    const std::vector<double> reaction = session_column(folder.file("run.sqlite"), "tip_reaction");
+    const Outcome out = outcome_of(run);
+    const Twin twin = follow(reaction, one.config, 0.01), usual = follow(reaction, {}, 0.01);
+    REQUIRE(out.releases > 0.0);
+    CHECK(out.releases == twin.releases);
+    CHECK(std::abs(out.released - twin.released) < 2e-5);   // as above: steps of 1 us
+    CHECK(std::abs(out.released - usual.released) > 2e-4);  // sabotage: the twin with the default of that key
+  }
 }
 
 TEST_CASE("clutch: its failures: late release, worn spring, no release at low speed, early release in soft bone") {

@@ -188,6 +188,41 @@ TEST_CASE("dust: each key changes the figure that it names") {
   CHECK(sucked({"suction.distance_mm=40"}) == 0.0);
 }
 
+TEST_CASE("dust: what the bit holds follows clearing_per_rev by the closed form, from the recorded removal") {
+  const TemporaryFolder folder;
+  constexpr double kSpin = 1000.0 / 60.0, kStep = 0.02;  // [rev/s], [s]
+  for (const double clearing : {0.005, 0.01, 0.02}) {
+    CAPTURE(clearing);
+    DrillRun run(plate("[record]\n[dust]\n", {fmt::format("dust.clearing_per_rev={}", clearing)}));
+    run_recorded(run, folder.file("run.sqlite"));
+    const std::vector<double> removed = session_column(folder.file("run.sqlite"), "removed_mass");  // [m^3] after each step
+    // dC/dt = V/dt - k C over each step: what is removed in it decays for half of it on the mean; k dt of at most 0.07 makes that wrong by (k dt)^2 / 24.
+    const auto held = [&](double k) {
+      double sum = 0.0;
+      for (std::size_t n = 1; n < removed.size(); ++n)
+        sum = sum * std::exp(-k * kStep) + (removed[n] - removed[n - 1]) * std::exp(-0.5 * k * kStep);
+      return sum * 1e9;
+    };
+    const double found = outcome_of(run).held, expected = held(clearing * kSpin), other = held(1.5 * clearing * kSpin);
+    // What it releases counts as held until it makes a particle of 0.01 mm3.
+    CHECK(std::abs(found - expected) < 0.002 * expected + 0.01);
+    CHECK(std::abs(found - other) > 0.05 * expected + 0.01);  // sabotage: another rate
+  }
+}
+
+TEST_CASE("dust: saline that is full carries chips in proportion to rinse_load, at most that share of its own volume") {
+  const auto rinsed = [](const std::vector<std::string>& keys) {
+    std::vector<std::string> sets;
+    for (const std::string& key : keys) sets.push_back("dust." + key);
+    return drill("[dust]\n" + std::string(kSaline), sets).rinsed;
+  };
+  // 60 ml/min of 1e-6: 1e-3 mm3/s, less than what falls from the first chips on.
+  const double once = rinsed({"rinse_load=1e-6"}), twice = rinsed({"rinse_load=2e-6"});
+  CHECK(once > 0.5 * 6e-3);
+  CHECK(once <= 6e-3 * (1.0 + 1e-9));  // all of the six seconds
+  CHECK(twice == doctest::Approx(2.0 * once).epsilon(0.02));
+}
+
 TEST_CASE("dust: a reset takes all chips away, and an undo those of the bone that it brings back") {
   SimulationOptions options;
   options.history = true;

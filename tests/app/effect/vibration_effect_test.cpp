@@ -35,9 +35,14 @@ Felt felt(const std::string& keys) {
 
 }  // namespace
 
-TEST_CASE("vibration by chips: its size is that of a twin on the removed bone") {
+TEST_CASE("vibration by chips: its size is that of a twin on the removed bone, by the key fracture_um") {
   const TemporaryFolder folder;
-  DrillRun run(scene_of("[vibration]\nsource = \"chips\"\n", {.sets = {"duration_s=2.5", "tool.name=\"pin\""}}));
+  double fracture = 75e-6;
+  SUBCASE("the default") {}
+  SUBCASE("half") { fracture = 37.5e-6; }
+  SUBCASE("twice") { fracture = 150e-6; }
+  DrillRun run(scene_of("[vibration]\nsource = \"chips\"\nfracture_um = " + std::to_string(fracture * 1e6) + "\n",
+                        {.sets = {"duration_s=2.5", "tool.name=\"pin\""}}));
   run_recorded(run, folder.file("run.bhs"));
   const std::vector<double> removed = session_column(folder.file("run.bhs"), "removed_mass"),
                             size = session_column(folder.file("run.bhs"), "vibration");
@@ -48,7 +53,7 @@ TEST_CASE("vibration by chips: its size is that of a twin on the removed bone") 
   const double volume = removed[static_cast<std::size_t>(0.9 * count) - 1] - removed[static_cast<std::size_t>(0.5 * count) - 1];
   const auto teeth = static_cast<double>(run.loaded().tool.teeth);
   const double thickness = volume / seconds / (1000.0 / 60.0) / teeth / (std::numbers::pi * 1e-6);
-  const double expected = 0.5 * 20.0 / teeth * thickness / (thickness + 75e-6);
+  const double expected = 0.5 * 20.0 / teeth * thickness / (thickness + fracture);
   INFO("chips of [um] ", thickness * 1e6);
   REQUIRE(thickness > 5e-6);
   // The area of the pin is that of voxel columns, 6 %; the lag of 20 ms does not count in steady cutting.
@@ -87,6 +92,32 @@ TEST_CASE("vibration by chips: each key changes its figure") {
   CHECK(even.run().voxel_hash() != uneven.run().voxel_hash());
 }
 
+TEST_CASE("vibration of fixed size: the hand gets its amplitude, cycles_per_rev times a revolution, and nothing at another frequency") {
+  const TemporaryFolder folder;
+  // Without bone's force the hand gets the vibration alone. 1000 rpm for 0.6 s, after the soft start of 0.2 s: ten revolutions.
+  constexpr double kSpin = 1000.0 / 60.0, kTick = 1e-3;
+  const auto part_at = [&](const std::string& keys, double frequency) {
+    DrillRun run(scene_of("[vibration]\n" + keys, {.contact = false, .erosion = false, .sets = {"duration_s=1.0"}}));
+    run_recorded(run, folder.file("steady.bhs"));
+    const std::vector<double> force = session_column(folder.file("steady.bhs"), "sent_x");
+    REQUIRE(force.size() >= 900);
+    double cosine = 0.0, sine = 0.0;
+    for (std::size_t n = 300; n < 900; ++n) {
+      const double angle = 2.0 * std::numbers::pi * frequency * kTick * static_cast<double>(n);
+      cosine += force[n] * std::cos(angle);
+      sine += force[n] * std::sin(angle);
+    }
+    return std::hypot(cosine, sine) / 300.0;  // [N] amplitude
+  };
+  for (const double cycles : {1.0, 3.0, 7.0}) {
+    CAPTURE(cycles);
+    const std::string keys = "amplitude_N = 0.3\ncycles_per_rev = " + std::to_string(cycles) + "\n";
+    CHECK(part_at(keys, cycles * kSpin) == doctest::Approx(0.3).epsilon(1e-4));
+    CHECK(part_at(keys, (cycles + 1.0) * kSpin) < 1e-4);  // sabotage: another number of cycles
+  }
+  CHECK(part_at("amplitude_N = 0.6\n", kSpin) == doctest::Approx(0.6).epsilon(1e-4));
+}
+
 TEST_CASE("drilling force: it acts against the bone, in proportion to its key, and only while the drill turns") {
   const auto peak = [](const std::string& keys, const std::vector<std::string>& sets) {
     DrillRun run(scene_of("[vibration]\namplitude_N = 0\n[vibration.drilling_force]\n" + keys, {.sets = sets}));
@@ -101,6 +132,21 @@ TEST_CASE("drilling force: it acts against the bone, in proportion to its key, a
   CHECK(twice < 2.05 * once);
   CHECK(peak("time_constant_ms = 200\n", {"duration_s=1.0"}) < 0.7 * once);
   CHECK(peak("", {"duration_s=1.0", "tool.spin_rpm=0"}) == 0.0);
+}
+
+TEST_CASE("drilling force: the keys of its limit give its largest force, allowance over acceleration and square of the tick") {
+  // A hand that may accelerate by a = 1e5 m/s2 moves by up to s = v T + a T^2 = 0.1 m in a tick, so the force is at most (E + A) / s. It takes up E of
+  // less than 0.01 N times the 1 mm drilled, 1 % of A = 1 mJ, and moves by less than 1e-4 of s.
+  const auto limited = [](const std::string& keys) {
+    DrillRun run(scene_of("[vibration]\namplitude_N = 0\n[vibration.drilling_force]\n" + keys, {.sets = {"duration_s=1.0"}}));
+    run.run();
+    CHECK(figure(run.simulation(), "vibration", "drilling_limited_ticks") > 0.0);
+    return figure(run.simulation(), "vibration", "drilling_peak_N");
+  };
+  const double once = limited("acceleration_m_per_s2 = 1e5\n");
+  CHECK(once == doctest::Approx(0.01).epsilon(0.015));
+  CHECK(limited("acceleration_m_per_s2 = 1e5\nallowance_mJ = 0.5\n") == doctest::Approx(0.005).epsilon(0.025));
+  CHECK(limited("acceleration_m_per_s2 = 5e4\nallowance_mJ = 0.5\n") == doctest::Approx(0.01).epsilon(0.025));
 }
 
 TEST_CASE("vibration: a replay has the same bits") {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "app/run/simulation.h"
 #include "app/session/recorded_hand.h"
@@ -85,6 +86,22 @@ TEST_CASE("sound: equal runs give equal samples, and the sound changes neither v
   CHECK(silent.forces == one.forces);
   const Outcome other = run_of(short_scene("sound={tooth_level=0.2}"), {}, folder.file("other.sqlite"));
   CHECK(other.samples != one.samples);  // the comparison can fail
+}
+
+TEST_CASE("sound: the motor turns at motor_rpm, and lags by response_ms") {
+  const TemporaryFolder folder;
+  // From 6 mm above the plate nothing is cut for a second. The speed starts at 0 and follows as f (1 - exp(-t / T)): after t it has turned f (t - T) times.
+  const auto turns = [&](const std::string& keys) {
+    SmallScene scene{.sets = {"duration_s=0.6", "hand.standoff_mm=6", "sound={" + keys + "}"}};
+    const std::vector<float> samples = run_of(scene, {}, folder.file("motor.sqlite")).samples;
+    REQUIRE(samples.size() == 28800);
+    // sum sin(k x) / k, k = 1..6, passes zero upwards once a turn.
+    return std::ranges::count_if(samples, [last = 0.0f](float now) mutable { return std::exchange(last, now) < 0.0f && now >= 0.0f; });
+  };
+  // Each count is a whole number, and the one turn that the count begins in is not counted.
+  CHECK(std::abs(static_cast<double>(turns("motor_rpm=24000")) - 400.0 * (0.6 - 0.01)) <= 1.0);
+  CHECK(std::abs(static_cast<double>(turns("motor_rpm=12000")) - 200.0 * (0.6 - 0.01)) <= 1.0);
+  CHECK(std::abs(static_cast<double>(turns("motor_rpm=24000, response_ms=50")) - 400.0 * (0.6 - 0.05)) <= 1.0);
 }
 
 TEST_CASE("sound: without the table, or with nothing that hears it, no step, slot, column or sample of it exists") {
