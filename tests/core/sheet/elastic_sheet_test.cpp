@@ -295,6 +295,32 @@ TEST_CASE("sheet: it tears at its strain limit and the tool then goes through; e
   CHECK(strain <= config.strain_limit * (1.0 + 1e-9));
   CHECK(largest > 0.1);
   CHECK(force == 0.0);
+  // Divided steps: the largest strain of an edge that is whole lies between the limit and 1.02 of it, just before the edge breaks. The sabotage:
+  // a limit that is a tenth larger is found.
+  for (const double wrong : {1.0, 1.1}) {
+    SheetConfig other = config;
+    other.strain_limit *= wrong;
+    ElasticSheet pressed = flat(other, 0.8e-3);
+    std::vector<Vec3> from{Vec3(0.1e-3, 0.05e-3, 0.0)}, to = from;
+    double stretched = 0.0;
+    for (double depth = 0.0; depth < 6e-3; depth += 0.5e-3) {
+      to[0].z = -depth;
+      stretched = std::max(stretched, pressed.step(0.02, {.tool_points = to, .tool_from = from}).stretched);
+      from = to;
+    }
+    CHECK(pressed.state().torn > 0);
+    CHECK((stretched >= config.strain_limit && stretched <= 1.02 * config.strain_limit) == (wrong == 1.0));
+  }
+  // A tool that goes a metre below in one step tears the sheet: no force is left, and none above that of a slow tool was reported.
+  {
+    ElasticSheet other = flat(config, 0.8e-3);
+    const std::vector<Vec3> from{Vec3(0.1e-3, 0.05e-3, 0.0)}, to{Vec3(0.1e-3, 0.05e-3, -1.0)};
+    const SheetState& state = other.step(0.02, {.tool_points = to, .tool_from = from});
+    CHECK(state.torn > 0);
+    CHECK(state.force == 0.0);
+    CHECK(state.peak < 1.5 * largest);
+    CHECK(state.parts <= ElasticSheet::kMostParts + ElasticSheet::kMostLastParts);
+  }
   const double nan = std::nan("");
   for (const Vec3& wild : {Vec3(0.0, 0.0, -1.0), Vec3(nan, 0.0, -1e-3), Vec3(0.0, 0.0, -1e9), Vec3(1e300, 0.0, -1.0)}) {
     ElasticSheet other = flat(config, 0.8e-3);
