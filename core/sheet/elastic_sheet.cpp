@@ -48,6 +48,8 @@ Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattic
   out.edge_curve_.resize(grid.edges().size());
   out.sticks_.assign(nodes, 0);
   out.under_bone_.assign(nodes, 0);
+  out.held_.assign(nodes, 1);
+  out.queue_.reserve(nodes);
   out.all_.resize(nodes);
   out.up_.resize(nodes);
   out.diagonal_.resize(nodes);

@@ -11,7 +11,7 @@
 ///           are the compliant constraints of [Macklin16] (XPBD) without inertia, solved together by Newton's method and conjugate gradients
 ///           in place of sweeps: a sweep per step adds 2 dt^2 / m to the compliance of each constraint, which for this stiff sheet would be
 ///           all of it.
-///   Tear    an edge that is longer than (1 + strain_limit) l0 breaks; the tool passes triangles with a broken edge. A step in which an edge would
+///   Tear    an edge that is longer than (1 + strain_limit) l0 breaks; the tool passes triangles with a broken edge and those cut out. A step in which an edge would
 ///           be longer by more than 2 % of the limit is divided (sheet_step.cpp): it is shortened until the longest edge just reaches the limit; that
 ///           edge breaks, the part is solved again without it, and the rest of the step follows. So what tears does not depend on the step.
 ///           The sheet comes off the bone where a |u| exceeds `adhesion`, for good.
@@ -136,6 +136,8 @@ class ElasticSheet {
   [[nodiscard]] double lowest() const noexcept;
   /// Breaks edges above the limit and above a strain. @returns how many.
   std::size_t break_edges(double above) noexcept;
+  /// Finds the nodes that whole edges still join to the rim: what is cut out is not pressed.
+  void find_held() noexcept;
   void come_off() noexcept;
   void measure();
 
@@ -151,6 +153,8 @@ class ElasticSheet {
   std::vector<double> length_;        // [m] l0
   std::vector<std::uint8_t> broken_;  // edges
   std::vector<std::uint8_t> sticks_, under_bone_;
+  std::vector<std::uint8_t> held_;    // nodes, joined to the rim by whole edges
+  std::vector<std::uint32_t> queue_;  // nodes, of the search for them
   std::vector<Pressed> pressed_;
   // Second derivatives: of edges, with the points of the tool between their nodes, and what is diagonal at nodes.
   std::vector<Symmetric> edge_curve_;

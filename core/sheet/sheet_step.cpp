@@ -50,6 +50,7 @@ void ElasticSheet::find_pressed(const SheetLoad& load, double share) {
     const auto place = lattice_.find(point.x, point.y);
     if (!place || point.z >= height_at(*place, rest_)) continue;
     const auto& n = place->nodes;
+    if (held_[n[0]] == 0) continue;  // and so the others, unless an edge between them is broken
     const std::array edges{lattice_.edge(n[1], n[2]), lattice_.edge(n[2], n[0]), lattice_.edge(n[0], n[1])};
     if (std::ranges::any_of(edges, [this](std::uint32_t edge) { return is_broken(edge); })) continue;
     pressed_.push_back({*place, edges, point.z});
@@ -178,7 +179,23 @@ std::size_t ElasticSheet::break_edges(double above) noexcept {
     ++out;
   }
   state_.torn += out;
+  if (out > 0) find_held();
   return out;
+}
+
+void ElasticSheet::find_held() noexcept {
+  std::ranges::fill(held_, std::uint8_t{0});
+  queue_.assign(rim_.begin(), rim_.end());
+  for (const std::uint32_t n : rim_) held_[n] = 1;
+  while (!queue_.empty()) {
+    const std::uint32_t n = queue_.back();
+    queue_.pop_back();
+    for (const std::uint32_t other : lattice_.neighbours(n)) {
+      if (other == SheetLattice::kNoNode || held_[other] != 0 || is_broken(lattice_.edge(n, other))) continue;
+      held_[other] = 1;
+      queue_.push_back(other);
+    }
+  }
 }
 
 void ElasticSheet::come_off() noexcept {
