@@ -31,13 +31,14 @@ struct DuraScene {
   double pulse_rate = 1.1;      ///< [1/s] 66 beats a minute (an assumption)
   double largest_force = 50.0;  ///< [N] of the force on the hand (an assumption)
   PassiveForceConfig limit{};
-  std::string place{};
+  std::string place{}, radius_place{};
 };
 
 constexpr const char* kLevelTexts[] = {"clear", "pressed", "torn"};  // of DuraState::level
 constexpr double kAbove = 3e-3, kBelow = 8e-3;  // [m] from the inner end of the axis, between which the dura is searched
 constexpr double kNear = 2e-3;                  // [m] of a point of the tool above the dura, beyond which the dura is left at rest
-constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
+constexpr double kVoxelsAbove = 2.0;        // of the dura, where bone over it is looked for: half of one lies in the ramp of its surface
+constexpr std::uint64_t kNodeBytes = 1000;  // of a node of the sheet: fields, and the matrices of its edges and of bending
 constexpr std::uint64_t kPictureBytes =
     10000;                         // of a node: 94 triangles with 49 vertices, also in the driver, and what finds their corners
 constexpr double kAtRest = 1e-12;  // [J] of the sheet
@@ -105,6 +106,7 @@ class DuraEffect final : public Effect {
         sees_bone_(stage.needs.reads_window) {
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) highest_ = std::max(highest_, sheet_.rest(n).z);
     points_.reserve(stage.tool->shell.positions.size());
+    from_.reserve(stage.tool->shell.positions.size());
     look_at_bone();
   }
 
@@ -135,6 +137,7 @@ class DuraEffect final : public Effect {
   /// Bone that comes back brings back the dura under it, whole and at rest.
   void place(const Pose&) noexcept override {
     passive_.restart();
+    points_.clear();
     if (voxmap_->growth_epoch() == growth_) return;
     growth_ = voxmap_->growth_epoch();
     iterations_ += sheet_.iterations();
@@ -167,8 +170,7 @@ class DuraEffect final : public Effect {
 
  private:
   void look_at_bone() {
-    // A voxel above the dura: half of one would lie in the ramp of its surface.
-    const double above = voxmap_->bone().bone_from_index().mean_edge() * 2.0;
+    const double above = voxmap_->bone().bone_from_index().mean_edge() * kVoxelsAbove;
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) {
       const Vec3i voxel = voxel_of(index_from_sheet_ * (sheet_.rest(n) + Vec3(0.0, 0.0, above)));
       float density = 0.0f;
@@ -185,6 +187,7 @@ class DuraEffect final : public Effect {
     const Affine sheet_from_tool = index_from_sheet_.inverse() * cut_->path.to;
     const double depth = -sheet_from_tool.offset.z;
     double lowest = highest_ + kNear;
+    from_.swap(points_);
     points_.clear();
     for (const Vec3& point : stage_->tool->shell.positions) {
       points_.push_back(sheet_from_tool * point);
@@ -198,7 +201,7 @@ class DuraEffect final : public Effect {
       return;
     }
     const double pressure = 0.5 * scene_.pulse * (1.0 - portable_cos(2.0 * std::numbers::pi * scene_.pulse_rate * time_));
-    const SheetState& state = sheet_.step(tick.dt, {.pressure = pressure, .tool_points = points_});
+    const SheetState& state = sheet_.step(tick.dt, {.pressure = pressure, .tool_points = points_, .tool_from = from_});
     force_ = state.force;
     indentation_ = state.indentation;
     bulge_ = state.bulge;
@@ -206,11 +209,11 @@ class DuraEffect final : public Effect {
     ever_torn_ = ever_torn_ || state.torn > 0;
     if (state.force > 0.0) {
       pressed_ += tick.dt;
-      peak_ = std::max(peak_, state.force);
-      largest_indentation_ = std::max(largest_indentation_, state.indentation);
       pushed_ = std::max(pushed_, highest_under_tool() - lowest);
     }
-    strain_ = std::max(strain_, state.strain);
+    peak_ = std::max(peak_, state.peak);
+    largest_indentation_ = std::max(largest_indentation_, state.deepest);
+    strain_ = std::max(strain_, state.stretched);
     *dura_ = {state.force, state.stiffness, depth, state.torn > 0 ? kDuraTorn : state.force > 0.0 ? kDuraPressed : kDuraClear};
   }
   /// @returns z of the dura at rest under the tool's axis.
@@ -249,7 +252,7 @@ class DuraEffect final : public Effect {
   bool sees_bone_;  // contact reads the bone, with its pose
   bool open_ = false, ever_torn_ = false;
   double highest_ = -kBelow;           // [m] of the dura at rest
-  std::vector<Vec3> points_;           // [m] of the tool, sheet frame
+  std::vector<Vec3> points_, from_;    // [m] of the tool, sheet frame; those of the step before
   double time_ = 0.0, pressed_ = 0.0;  // [s]
   double force_ = 0.0, indentation_ = 0.0, bulge_ = 0.0, largest_bulge_ = 0.0, level_ = kDuraClear;
   double peak_ = 0.0, largest_indentation_ = 0.0, pushed_ = 0.0, strain_ = 0.0;
@@ -265,6 +268,32 @@ class DuraEffect final : public Effect {
   Vec3* added_ = nullptr;
 };
 
+/// [m] from its axis.
+double widest(const std::vector<Vec3>& points) {
+  double out = 0.0;
+  for (const Vec3& point : points) out = std::max(out, std::hypot(point.x, point.y));
+  return out;
+}
+
+/// @returns why the rim of a sheet has nothing to be held by; empty if bone as loaded lies over all of it, at its radius.
+std::string why_not_held(const DuraScene& scene, const SheetLattice& lattice, const std::vector<double>& heights, const BoneModel& bone,
+                         const Pose& bone_from_sheet) {
+  const Affine index_from_sheet = bone.bone_from_index().inverse() * Affine::from_pose(bone_from_sheet);
+  double reached = scene.radius;
+  bool held = true;
+  for (std::size_t n = 0; n < lattice.nodes(); ++n) {
+    if (!lattice.on_rim(n)) continue;
+    const double x = lattice.x(n), y = lattice.y(n), above = kVoxelsAbove * bone.bone_from_index().mean_edge();
+    reached = std::min(reached, std::hypot(x, y) + lattice.spacing());
+    held = held && bone.occupancy(voxel_of(index_from_sheet * Vec3(x, y, heights[n] + above))) >= 0.5f;
+  }
+  if (reached < scene.radius - 1e-9)
+    return fmt::format("the dura reaches only {:.3g} mm from the drilled line, so it cannot be held at radius_mm = {:g}",
+                       reached / kMillimetre, scene.radius / kMillimetre);
+  if (!held) return fmt::format("no bone lies over the dura at radius_mm = {:g}, so nothing holds it there", scene.radius / kMillimetre);
+  return {};
+}
+
 class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
  public:
   explicit DuraPlan(TableReader& table) {
@@ -272,6 +301,7 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
     SheetConfig& s = c.sheet;
     constexpr double kMega = 1e6, kKilo = 1e3;
     c.place = table.place();
+    c.radius_place = table.place_of("radius_mm");
     c.radius = table.number("radius_mm", above_zero(c.radius / kMillimetre, kMillimetre, 100.0),
                             "distance from the drilled line at which the dura is held");
     c.spacing = table.number("spacing_mm", {.fallback = c.spacing / kMillimetre, .min = 0.1, .max = 20.0, .to_si = kMillimetre},
@@ -318,6 +348,13 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
     const Pose bone_from_sheet{approach.bone_from_approach.rotation, approach.bone_from_approach * Vec3(0.0, 0.0, -approach.thickness)};
     const DuraTop top(stage.voxmap->bone(), bone_from_sheet, config_.radius);
     const auto refuse = [this](const std::string& why) { return Error{ErrorCode::bad_input, "[dura] " + why, config_.place}; };
+    const auto refuse_radius = [this](const std::string& why) {
+      return Error{ErrorCode::bad_input, "[dura] " + why, config_.radius_place};
+    };
+    if (const double bit = widest(stage.tool->shell.positions), least = bit + 2.0 * config_.spacing; config_.radius < least)
+      return refuse_radius(
+          fmt::format("radius_mm = {:g} leaves no dura around the hole of a bit of {:.3g} mm radius; must be at least {:.3g}",
+                      config_.radius / kMillimetre, bit / kMillimetre, least / kMillimetre));
     if (!top.at(0.0, 0.0))
       return refuse(
           "there is no dura under the bone: no voxel with the label dura or brain lies where the approach axis leaves it; use a volume "
@@ -328,7 +365,9 @@ class DuraPlan final : public ConfigPlan<DuraPlan, DuraScene> {
       if (height) heights.push_back(*height);
       return height.has_value();
     });
-    if (!lattice) return refuse(lattice.error().message + "; change radius_mm or spacing_mm");
+    if (!lattice) return refuse_radius(lattice.error().message + "; change radius_mm or spacing_mm");
+    if (const std::string why = why_not_held(config_, *lattice, heights, stage.voxmap->bone(), bone_from_sheet); !why.empty())
+      return refuse_radius(why);
     auto sheet = ElasticSheet::create(config_.sheet, std::move(*lattice), heights);
     if (!sheet) return refuse(sheet.error().message);
     auto passive = PassiveForce::create(config_.limit);

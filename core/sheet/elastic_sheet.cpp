@@ -6,12 +6,9 @@
 namespace burrhole {
 namespace {
 
-constexpr int kMostNewton = 25, kMostConjugate = 400, kMostHalvings = 30;
-constexpr double kForceTolerance = 1e-6;  // [N] of the sum of all nodes
-constexpr double kShare = 1e-4;           // [-] of the forces of tool and pressure, of that sum: what a larger load may leave
-constexpr double kPoisson2 = 1.0 / 9.0;   // square of the lattice's ratio
-constexpr double kHalf = 0.5;             // [-] of a node's cell on the rim that counts for bending: the mirror has the rest
-constexpr double kDescent = 1e-4;         // [-] of the slope, least decrease of a step
+constexpr int kMostConjugate = 400;
+constexpr double kPoisson2 = 1.0 / 9.0;  // square of the lattice's ratio
+constexpr double kHalf = 0.5;            // [-] of a node's cell on the rim that counts for bending: the mirror has the rest
 
 double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b) noexcept {
   double sum = 0.0;
@@ -51,6 +48,8 @@ Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattic
   out.edge_curve_.resize(grid.edges().size());
   out.sticks_.assign(nodes, 0);
   out.under_bone_.assign(nodes, 0);
+  out.held_.assign(nodes, 1);
+  out.queue_.reserve(nodes);
   out.all_.resize(nodes);
   out.up_.resize(nodes);
   out.diagonal_.resize(nodes);
@@ -79,19 +78,6 @@ double ElasticSheet::height_at(const SheetLattice::Place& place, const Field& x)
   double out = 0.0;
   for (std::size_t k = 0; k < 3; ++k) out += place.weights[k] * x[place.nodes[k]].z;
   return out;
-}
-
-void ElasticSheet::find_pressed(std::span<const Vec3> points) {
-  pressed_.clear();
-  for (const Vec3& point : points) {
-    if (!is_finite(point)) continue;
-    const auto place = lattice_.find(point.x, point.y);
-    if (!place || point.z >= height_at(*place, rest_)) continue;
-    const auto& n = place->nodes;
-    const std::array edges{lattice_.edge(n[1], n[2]), lattice_.edge(n[2], n[0]), lattice_.edge(n[0], n[1])};
-    if (std::ranges::any_of(edges, [this](std::uint32_t edge) { return is_broken(edge); })) continue;
-    pressed_.push_back({*place, edges, point.z});
-  }
 }
 
 std::uint32_t ElasticSheet::beside(std::size_t node, std::size_t k) const noexcept {
@@ -334,54 +320,12 @@ void ElasticSheet::solve(const Field& right, Field& out, double tolerance) {
   }
 }
 
-void ElasticSheet::predict(double per_dt, double pressure) {
-  for (std::size_t n = 0; n < x_.size(); ++n) trial_[n] = x_[n] + moved_[n];
-  if (merit(trial_, per_dt, pressure) < merit(x_, per_dt, pressure)) x_.swap(trial_);
-}
-
-const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
-  const double per_dt = config_.resistance / dt;
-  const double pressure = std::isfinite(load.pressure) ? load.pressure : 0.0;
-  find_pressed(load.tool_points);
-  before_ = x_;
-  predict(per_dt, pressure);
-  for (int n = 0; n < kMostNewton; ++n) {
-    const double load_size = slope(x_, per_dt, pressure, gradient_);
-    ++iterations_;
-    const double size = std::sqrt(dot(gradient_, gradient_));
-    const double enough = std::max(kForceTolerance, kShare * load_size);
-    if (!(size > enough)) break;
-    for (Vec3& g : gradient_) g = -g;
-    curve(x_, per_dt);
-    std::ranges::fill(direction_, Vec3(0.0));
-    solve(gradient_, direction_, std::min(0.1, std::max(std::sqrt(size), 0.3 * enough / size)));
-    const double downhill = dot(gradient_, direction_), now = merit(x_, per_dt, pressure);
-    double share = 1.0;
-    int halved = 0;
-    for (; halved < kMostHalvings; ++halved, share *= 0.5) {
-      for (std::size_t k = 0; k < x_.size(); ++k) trial_[k] = x_[k] + share * direction_[k];
-      if (merit(trial_, per_dt, pressure) <= now - kDescent * share * downhill) break;
-    }
-    if (halved == kMostHalvings) break;  // as near as the digits allow
-    x_.swap(trial_);
-  }
-  for (std::size_t n = 0; n < x_.size(); ++n) moved_[n] = x_[n] - before_[n];
-  measure();
-  break_edges();
-  come_off();
-  return state_;
-}
-
 void ElasticSheet::measure() {
-  state_.force = state_.indentation = state_.bulge = state_.strain = 0.0;
-  for (const Pressed& point : pressed_) state_.force += config_.tool_stiffness * std::max(0.0, height_at(point.place, x_) - point.z);
-  for (std::size_t n = 0; n < x_.size(); ++n) {
-    state_.indentation = std::max(state_.indentation, rest_[n].z - x_[n].z);
-    state_.bulge = std::max(state_.bulge, x_[n].z - rest_[n].z);
-  }
-  for (std::size_t e = 0; e < length_.size(); ++e)
-    if (broken_[e] == 0)
-      state_.strain = std::max(state_.strain, glm::length(x_[lattice_.edges()[e].a] - x_[lattice_.edges()[e].b]) / length_[e] - 1.0);
+  state_.force = tool_force();
+  state_.indentation = lowest();
+  state_.strain = largest_strain();
+  state_.bulge = 0.0;
+  for (std::size_t n = 0; n < x_.size(); ++n) state_.bulge = std::max(state_.bulge, x_[n].z - rest_[n].z);
   state_.energy = energy(x_);
   state_.stiffness = 0.0;
   if (!(state_.force > 0.0)) return;
@@ -400,24 +344,6 @@ void ElasticSheet::measure() {
   // b . x + r . x, r = b - A x what is left: its error is the square of that of x, whatever x started from.
   held -= dot(gradient_, give_) + dot(residual_, give_);
   state_.stiffness = std::max(0.0, held);
-}
-
-void ElasticSheet::break_edges() noexcept {
-  for (std::size_t e = 0; e < length_.size(); ++e) {
-    if (broken_[e] != 0) continue;
-    const SheetEdge& edge = lattice_.edges()[e];
-    if (glm::length(x_[edge.a] - x_[edge.b]) <= (1.0 + config_.strain_limit) * length_[e]) continue;
-    broken_[e] = 1;
-    ++state_.torn;
-  }
-}
-
-void ElasticSheet::come_off() noexcept {
-  for (std::size_t n = 0; n < x_.size(); ++n) {
-    if (sticks_[n] == 0 || glm::length(x_[n] - rest_[n]) <= config_.adhesion_way) continue;
-    sticks_[n] = 0;
-    state_.separated += lattice_.area();
-  }
 }
 
 }  // namespace burrhole

@@ -11,8 +11,10 @@
 ///           are the compliant constraints of [Macklin16] (XPBD) without inertia, solved together by Newton's method and conjugate gradients
 ///           in place of sweeps: a sweep per step adds 2 dt^2 / m to the compliance of each constraint, which for this stiff sheet would be
 ///           all of it.
-///   Tear    an edge that is longer than (1 + strain_limit) l0 breaks; the tool passes triangles with a broken edge. The sheet comes off the bone
-///           where a |u| exceeds `adhesion`, for good.
+///   Tear    an edge that is longer than (1 + strain_limit) l0 breaks; the tool passes triangles with a broken edge and those cut out. A step in which an edge would
+///           be longer by more than 2 % of the limit is divided (sheet_step.cpp): it is shortened until the longest edge just reaches the limit; that
+///           edge breaks, the part is solved again without it, and the rest of the step follows. So what tears does not depend on the step.
+///           The sheet comes off the bone where a |u| exceeds `adhesion`, for good.
 ///   Source  stiffness of the lattice: Seung & Nelson 1988; the rest is our own derivation.
 #pragma once
 
@@ -45,7 +47,8 @@ enum class SheetCover : std::uint8_t { open, bone };
 
 struct SheetLoad {
   double pressure = 0.0;                ///< [Pa] towards +z
-  std::span<const Vec3> tool_points{};  ///< [m] sheet frame
+  std::span<const Vec3> tool_points{};  ///< [m] sheet frame, at the end of the step
+  std::span<const Vec3> tool_from{};    ///< [m] the same points at its start; another number of them: they stood where they end
 };
 
 /// State of a sheet after a step.
@@ -55,9 +58,13 @@ struct SheetState {
   double indentation = 0.0;  ///< [m] largest displacement of a node towards -z
   double bulge = 0.0;        ///< [m] largest displacement of a node towards +z
   double strain = 0.0;       ///< [-] largest of an edge that is whole
+  double peak = 0.0;         ///< [N] largest force within the step
+  double deepest = 0.0;      ///< [m] largest indentation within the step, with a force
+  double stretched = 0.0;    ///< [-] largest strain within the step, before an edge broke
   double energy = 0.0;       ///< [J] U without the load of pressure
   double separated = 0.0;    ///< [m^2] that came off the bone
   std::size_t torn = 0;      ///< edges that broke so far
+  std::size_t parts = 0;     ///< solutions of the step: 1 unless an edge came near its limit
 };
 
 class ElasticSheet {
@@ -68,8 +75,9 @@ class ElasticSheet {
 
   /// Sets whether bone lies over a node. Where bone goes, the sheet is free; where it comes back, it does not stick again.
   void cover(std::size_t node, SheetCover cover) noexcept;
-  /// @param dt [s] > 0.
+  /// @param dt [s] > 0. At most kMostParts + kMostLastParts solutions.
   const SheetState& step(double dt, const SheetLoad& load);
+  static constexpr std::size_t kMostParts = 160, kMostLastParts = 20;
 
   [[nodiscard]] const SheetState& state() const noexcept { return state_; }
   [[nodiscard]] const SheetLattice& lattice() const noexcept { return lattice_; }
@@ -93,7 +101,18 @@ class ElasticSheet {
     }
   };
   using Field = std::vector<Vec3>;
-  void find_pressed(std::span<const Vec3> points);
+  /// Points of the tool over whole triangles, at a share of the step.
+  void find_pressed(const SheetLoad& load, double share);
+  /// Minimises the merit from x_. @returns whether the forces that are left are small enough.
+  bool minimise(double per_dt, double pressure);
+  /// What an edge may be strained to in a solution.
+  enum class Edges : std::uint8_t { below_limit, any };
+  struct Part {
+    double share, length;  // [-] of the step, at its start; of it
+    Edges edges;
+  };
+  /// Solves a part of the step and breaks edges until none is above the limit. @returns false, with the sheet as before: an edge is too long.
+  bool advance(const Part& part, double dt, const SheetLoad& load);
   [[nodiscard]] double height_at(const SheetLattice::Place& place, const Field& x) const noexcept;
   [[nodiscard]] double energy(const Field& x) noexcept;
   [[nodiscard]] double merit(const Field& x, double per_dt, double pressure) noexcept;
@@ -109,16 +128,24 @@ class ElasticSheet {
   /// @returns the force [N] of bending at a free node, for displacements that are 0 on the rim.
   [[nodiscard]] Vec3 bending_at(const Field& u, std::size_t node) const noexcept;
   void hold_rim(Field& out) const noexcept;
-  /// Starts from where the motion of the last step leads, if the merit is lower there.
-  void predict(double per_dt, double pressure);
-  void break_edges() noexcept;
+  /// Starts from where the motion of the last solution leads, if the merit is lower there.
+  void predict(double dt, double pressure);
+  [[nodiscard]] double strain_of(std::size_t edge) const noexcept;
+  [[nodiscard]] double largest_strain() const noexcept;
+  [[nodiscard]] double tool_force() const noexcept;
+  [[nodiscard]] double lowest() const noexcept;
+  /// Breaks edges above the limit and above a strain. @returns how many.
+  std::size_t break_edges(double above) noexcept;
+  /// Finds the nodes that whole edges still join to the rim: what is cut out is not pressed.
+  void find_held() noexcept;
   void come_off() noexcept;
   void measure();
 
   SheetConfig config_;
   SheetLattice lattice_;
   double edge_stiffness_, bending_;  // [N/m]; [N/m] of the sum of differences
-  Field rest_, x_, before_, moved_;  // moved_: by the last step
+  Field rest_, x_, before_, moved_;  // moved_: by the last solution
+  double moved_in_ = 0.0;            // [s] of moved_; 0: none yet
   std::vector<std::uint32_t> rim_;   // nodes
   // Second derivative of bending on the free nodes, the same in x, y and z: of each row the columns and values [N/m]. Constant.
   std::vector<std::uint32_t> bend_first_, bend_column_;
@@ -126,6 +153,8 @@ class ElasticSheet {
   std::vector<double> length_;        // [m] l0
   std::vector<std::uint8_t> broken_;  // edges
   std::vector<std::uint8_t> sticks_, under_bone_;
+  std::vector<std::uint8_t> held_;    // nodes, joined to the rim by whole edges
+  std::vector<std::uint32_t> queue_;  // nodes, of the search for them
   std::vector<Pressed> pressed_;
   // Second derivatives: of edges, with the points of the tool between their nodes, and what is diagonal at nodes.
   std::vector<Symmetric> edge_curve_;
