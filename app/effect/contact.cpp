@@ -120,6 +120,7 @@ class ContactPlan final : public EffectPlan {
                      "large thrust can push the tool through bone against a penalty force");
     for (const FormEntry& entry : kForms)
       if (word_ == entry.word) form_ = entry.read(table);
+    if (stage.volume.scan && stage.volume.scan->request.bone.segment) form_->take_scan_layers();
     rate_hz_ = read_rate(table, stage, rate_hz_, 20, "rate of contact evaluations; divides servo_hz");
     latency_ticks_ = static_cast<int>(
         table.integer("latency_ticks", latency_ticks_, -1, 1000, "latency from a motion to its force; -1 for one contact period"));

@@ -1,30 +1,41 @@
 // The constrained tool feels the hardness of bone: its coupling follows the relative stiffness under its contacts.
 #include <algorithm>
-#include <array>
 
 #include "core/contact/constrained_tool.h"
 
 namespace burrhole {
 namespace {
 
-// [m] below a contact: bone yields over about the radius of the contact, and the outermost voxels of a scan are mixed with soft tissue
-constexpr std::array<double, 4> kDepths{0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3};
-constexpr double kLeast = 0.1;  // [-] as for bone_N_per_m
+constexpr int kDepths = 4;        // samples below a contact
+constexpr double kAtRest = 2e-3;  // [m] below a contact that does not cut: the outermost voxels of a scan are mixed with soft tissue
+constexpr double kLeast = 0.1;    // [-] as for bone_N_per_m
 
 }  // namespace
 
+// A contact that cuts feels the bone that it is about to cut, its engaged depth and a voxel, so that a layer is felt while the cutting face is in
+// it. Only bone counts: neither its pores nor what lies behind it.
 double ConstrainedTool::hardness_under_contacts(const SurfaceView& bone) const noexcept {
+  if (bone.stiffness == nullptr) return -1.0;
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
+  const RecordSampler records(bone.records);
   double sum = 0.0, weights = 0.0;
   for (const HoldPlane& plane : solver_.planes()) {
     if (!(plane.force > 0.0) || plane.both_ways) continue;
     const Vec3 at = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
-    for (const double depth : kDepths) {
-      const Vec3i v = voxel_of(index_from_bone * (at - depth * plane.normal));
-      if (bone.stiffness == nullptr || !bone.records.box.contains(v)) continue;
-      sum += plane.force * std::max(static_cast<double>(bone.stiffness[bone.records.box.offset_of(v)]) / 255.0, kLeast);
-      weights += plane.force;
+    const double step = (plane.cutting ? state_.engagement + edge_ : kAtRest) / kDepths;
+    double own = 0.0;
+    int inside = 0;
+    for (int n = 1; n <= kDepths; ++n) {
+      const Vec3 index = index_from_bone * (at - n * step * plane.normal);
+      const Vec3i v = voxel_of(index);
+      const auto sample = records.at(index);
+      if (!sample || sample->distance > 0.0 || !bone.records.box.contains(v)) continue;
+      own += std::max(static_cast<double>(bone.stiffness[bone.records.box.offset_of(v)]) / 255.0, kLeast);
+      ++inside;
     }
+    if (inside == 0) continue;
+    sum += plane.force * own / inside;
+    weights += plane.force;
   }
   return weights > 0.0 ? sum / weights : -1.0;
 }

@@ -35,6 +35,8 @@ class ContactForm {
   /// The config struct of a type; null when the form has none of that type.
   [[nodiscard]] virtual void* config(std::type_index type) noexcept = 0;
   [[nodiscard]] virtual ContactFormNeeds needs() const = 0;
+  /// The layers of the bone were found in a scan: a factor of a layer that the scene does not give takes its default for scans.
+  virtual void take_scan_layers() noexcept {}
   /// A short text for `burrhole explain`.
   [[nodiscard]] virtual std::string text() const = 0;
   /// Errors: those of the model's create().

@@ -9,6 +9,10 @@
 namespace burrhole {
 namespace {
 
+/// [-] Factor of diploe that was found in a scan. The scan's hardness is linear in density, and its voxels mix trabeculae with the tables: the
+/// cadaver's diploe of 900 HU has a hardness of 0.63. An assumption: with it, diploe is about as stiff as that of the phantoms.
+constexpr float kScannedDiploe = 0.3f;
+
 LabelFactors read_label_stiffness(TableReader table) {
   LabelFactors out = kAllAlike;
   const auto read = [&](VoxelLabel label, std::string_view key, std::string_view about) {
@@ -17,7 +21,8 @@ LabelFactors read_label_stiffness(TableReader table) {
   };
   read(VoxelLabel::bone, "bone", "bone whose layers are not distinguished: scans and simple phantoms");
   read(VoxelLabel::outer_table, "outer_table", "outer table of the skull");
-  read(VoxelLabel::diploe, "diploe", "diploe between the tables");
+  read(VoxelLabel::diploe, "diploe",
+       "diploe between the tables; without this key 0.3 where the layers are those of a scan (layers = \"segment\"), an assumption");
   read(VoxelLabel::inner_table, "inner_table", "inner table of the skull");
   read(VoxelLabel::forbidden, "forbidden", "bone marked as not to be cut");
   table.finish();
@@ -45,8 +50,10 @@ class SurfaceForm final : public ContactForm {
     tool_.bone_stiffness = table.number("bone_N_per_m", above_zero(tool_.bone_stiffness, 1.0, 1e12),
                                         "stiffness of bone of hardness 1 under one contact that does not cut; in proportion to the "
                                         "hardness, with a hardness of at least 0.1");
-    if (auto labels = table.table("label_stiffness", "factors on bone_N_per_m by tissue, for layers that are softer than their hardness"))
+    if (auto labels = table.table("label_stiffness", "factors on bone_N_per_m by tissue, for layers that are softer than their hardness")) {
+      diploe_given_ = labels->has("diploe");
       label_stiffness_ = read_label_stiffness(*labels);
+    }
     tool_.felt_hardness =
         table.number("felt_hardness", {.fallback = tool_.felt_hardness, .min = 0.0, .max = 0.9},
                      "share by which the spring from hand to tool is softer on bone of hardness 0, in proportion to the hardness "
@@ -60,6 +67,9 @@ class SurfaceForm final : public ContactForm {
   void* config(std::type_index type) noexcept override {
     if (type == typeid(ConstrainedToolConfig)) return &tool_;
     return type == typeid(RecordPrecision) ? &record_bits_ : nullptr;
+  }
+  void take_scan_layers() noexcept override {
+    if (!diploe_given_) label_stiffness_[static_cast<std::size_t>(VoxelLabel::diploe)] = kScannedDiploe;
   }
   ContactFormNeeds needs() const override {
     ContactFormNeeds out;
@@ -83,6 +93,7 @@ class SurfaceForm final : public ContactForm {
   ConstrainedToolConfig tool_;
   RecordPrecision record_bits_ = RecordPrecision::bits16;
   LabelFactors label_stiffness_ = kAllAlike;
+  bool diploe_given_ = false;
 };
 
 }  // namespace
