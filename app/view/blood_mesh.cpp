@@ -13,21 +13,21 @@ namespace burrhole {
 namespace {
 
 constexpr Vec3 kPoolColor(0.34, 0.012, 0.02), kBeadColor(0.50, 0.02, 0.03), kPaleColor(0.78, 0.42, 0.38), kWaxColor(0.90, 0.85, 0.72);
-constexpr std::uint8_t kWet = 255, kDull = 40;  // shine
-constexpr float kLeastPores = 0.3f;             // [-] share below which a bead is too small to see
-constexpr double kRise = 0.3e-3, kDip = 0.2e-3; // [m] of the surface where a wall stands beside it; below the level at a brim
-constexpr double kMeniscus = 1e-3;              // [m] length over which both decay
+constexpr std::uint8_t kWet = 255, kDull = 40;   // shine
+constexpr float kLeastPores = 0.3f;              // [-] share below which a bead is too small to see
+constexpr double kRise = 0.3e-3, kDip = 0.2e-3;  // [m] of the surface where a wall stands beside it; below the level at a brim
+constexpr double kMeniscus = 1e-3;               // [m] length over which both decay
 constexpr int kHalvings = 10;                    // of a line of a diagonal of the lattice: 0.3 um
-constexpr int kSweeps = 60;                     // of the surface's shape, which is smooth long before
-constexpr double kInto = 1.5;                   // [pitches] to the last place of the lattice beyond the liquid, which is moved to the wall
-constexpr double kWallLevel = 0.6;              // [-] density at the edge of the surface, a little in the bone
-constexpr double kWave = 3e-5, kWaves = 1.1e3;  // [m], [1/m] of ripples on the surface, which make it shine
-constexpr double kFar = 1e9;                    // [m]
+constexpr int kSweeps = 60;                      // of the surface's shape, which is smooth long before
+constexpr double kInto = 1.5;                    // [pitches] to the last place of the lattice beyond the liquid, which is moved to the wall
+constexpr double kWallLevel = 0.6;               // [-] density at the edge of the surface, a little in the bone
+constexpr double kWave = 3e-5, kWaves = 1.1e3;   // [m], [1/m] of ripples on the surface, which make it shine
+constexpr double kFar = 1e9;                     // [m]
 constexpr double kFilmHeight = 0.07, kDropHeight = 0.45;  // [-] of its radius
-constexpr double kRim = -0.5;                   // [-] of its height, of the rim of a patch: in the bone
-constexpr int kSides = 8;                       // of a patch of film or a drop
-constexpr unsigned kDropOf = 23, kRunOf = 61;   // [patches] of which one carries a drop, and one starts a run
-constexpr int kMostRun = 90, kAcross = 5;       // places along a run, points across it
+constexpr double kRim = -0.5;                             // [-] of its height, of the rim of a patch: in the bone
+constexpr int kSides = 8;                                 // of a patch of film or a drop
+constexpr unsigned kDropOf = 23, kRunOf = 61;             // [patches] of which one carries a drop, and one starts a run
+constexpr int kMostRun = 90, kAcross = 5;                 // places along a run, points across it
 
 Rgba8 rgba(const Vec3& color, std::uint8_t shine) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z), shine}; }
 
@@ -89,8 +89,10 @@ class BloodShape {
       const unsigned dice = scatter(voxel);
       const double swollen = size * (0.55 + 0.6 * std::sqrt(picture_.wetness));
       append_patch(*place, swollen, kFilmHeight, rgba(kBeadColor * shade(place->at), kWet));
-      if (dice % kDropOf == 0) append_patch(*place, swollen * (0.7 + 0.6 * (dice / 64 % 16) / 16.0), kDropHeight, rgba(kBeadColor * 0.85, kWet));
-      if (picture_.wetness >= kRunWetness && dice / 1024 % kRunOf == 0) append_run(*place, edge_ * (0.9 + 0.9 * (dice / 64 % 16) / 16.0), dice);
+      if (dice % kDropOf == 0)
+        append_patch(*place, swollen * (0.7 + 0.6 * (dice / 64 % 16) / 16.0), kDropHeight, rgba(kBeadColor * 0.85, kWet));
+      if (picture_.wetness >= kRunWetness && dice / 1024 % kRunOf == 0)
+        append_run(*place, edge_ * (0.9 + 0.9 * (dice / 64 % 16) / 16.0), dice);
     });
   }
   void append_pool();
@@ -169,7 +171,8 @@ class BloodShape {
       const double left = (last - static_cast<double>(n)) * step / width;  // [widths] to the end
       const double drop = left < 2.0 ? std::sqrt(std::max(0.0, 1.0 - (left - 1.0) * (left - 1.0))) : 0.0;
       const double half = 0.5 * width * std::max({0.05, drop, left < 1.0 ? 0.0 : 0.7 - 0.25 * static_cast<double>(n) / last});
-      for (const auto& [wide, high] : {std::pair{-1.0, -0.2}, std::pair{-0.6, 0.35}, std::pair{0.0, 0.5}, std::pair{0.6, 0.35}, std::pair{1.0, -0.2}})
+      for (const auto& [wide, high] :
+           {std::pair{-1.0, -0.2}, std::pair{-0.6, 0.35}, std::pair{0.0, 0.5}, std::pair{0.6, 0.35}, std::pair{1.0, -0.2}})
         add(way[n].at + half * (wide * aside[n] + high * way[n].normal), rgba(kBeadColor * 0.9, kWet));
     }
     for (std::uint32_t n = 0; n + 1 < way.size(); ++n)

@@ -70,11 +70,13 @@ void append_debris(std::span<const ShownDebris> particles, const glm::vec3& down
       Dice dice(one.number, n);
       const glm::vec3 place = dice.in_ball();
       if (one.settled) {
-        append_flake(one.position + one.radius * (place - kResting * down), kFlakeVolume * one.volume / static_cast<float>(count), kChipColor, dice, out);
+        append_flake(one.position + one.radius * (place - kResting * down), kFlakeVolume * one.volume / static_cast<float>(count),
+                     kChipColor, dice, out);
       } else if (one.is_mist) {
         append_flake(one.position + kMistSpread * place, kMistVolume * one.volume / kMistFlakes, kMistColor, dice, out);
       } else {
-        append_flake(one.position + kFlyingSpread * one.radius * place, kFlakeVolume * one.volume / static_cast<float>(count), kChipColor, dice, out);
+        append_flake(one.position + kFlyingSpread * one.radius * place, kFlakeVolume * one.volume / static_cast<float>(count), kChipColor,
+                     dice, out);
       }
     }
   }

@@ -37,7 +37,8 @@ class DebrisPicture final : public PictureSource {
 
 inline constexpr std::size_t kMostFlakes = 150'000;  ///< of a picture, where there are fewer particles
 inline constexpr std::size_t kMostFlakesOfOne = 16;
-inline constexpr float kFlakeVolume = 0.15f;  ///< [-] of the volume of the bone: with all of it the flakes, of which there are too few, would be 1 mm wide
+inline constexpr float kFlakeVolume =
+    0.15f;  ///< [-] of the volume of the bone: with all of it the flakes, of which there are too few, would be 1 mm wide
 inline constexpr float kFlyingSpread = 3.0f;
 
 /// Appends the flakes of particles. @param down unit, bone frame.
