@@ -117,7 +117,7 @@ TEST_CASE("zones: the live value is the distance of a plain twin to the dura's v
     sabotaged = std::max(sabotaged, std::abs(measured[n] - twin(*bone, way[n])));  // the place of the next tick
   }
   CHECK(largest < 2e-9 + 6e-8 * 6e-3);
-  CHECK(sabotaged > 0.1e-3);  // a tick is at least a voxel, 0.25 mm
+  CHECK(sabotaged > 0.1e-3);                      // a tick is at least a voxel, 0.25 mm
   CHECK(from_sphere < std::sqrt(3.0) * 0.25e-3);  // the bound of distance_field.h
   CHECK(from_sphere > 1e-6);
 }
@@ -280,7 +280,8 @@ class PushedHand final : public HandSource {
 
 }  // namespace
 
-TEST_CASE("zones: guidance holds a hand of 2 N back before the dura, which it enters without guidance; a force of the wrong sign helps it in") {
+TEST_CASE(
+    "zones: guidance holds a hand of 2 N back before the dura, which it enters without guidance; a force of the wrong sign helps it in") {
   // In 1.3 s at 2 N / (1000 N s/m) the hand alone goes 2.6 mm down, from 1.6 mm above the dura to 1.0 mm inside. Guidance of 4 N/mm begins 1 mm
   // above it, after 0.3 s; then the depth below its start is 0.5 mm (1 - exp(-t / 0.25 s)), 0.49 mm at the end: 0.51 mm above the dura.
   const auto closest = [](const std::string& keys, double sign) {

@@ -26,7 +26,8 @@ AddedMesh mesh_of(const std::vector<ShownDebris>& particles) {
 
 }  // namespace
 
-TEST_CASE("debris mesh: flakes are closed and outward and have their part of the volume of the bone, lying or flying; of mist a small part") {
+TEST_CASE(
+    "debris mesh: flakes are closed and outward and have their part of the volume of the bone, lying or flying; of mist a small part") {
   for (const bool settled : {true, false}) {
     const AddedMesh mesh = mesh_of({{.volume = 0.05e-9f, .radius = 0.3e-3f, .number = 7, .settled = settled}});
     CHECK(mesh.triangles.size() == 4 * kMostFlakesOfOne);
