@@ -13,17 +13,21 @@ namespace burrhole {
 namespace {
 
 constexpr Vec3 kPoolColor(0.34, 0.012, 0.02), kBeadColor(0.50, 0.02, 0.03), kPaleColor(0.78, 0.42, 0.38), kWaxColor(0.90, 0.85, 0.72);
-constexpr std::uint8_t kWet = 255, kDull = 40;  // shine
-constexpr float kLeastPores = 0.3f;             // [-] share below which a bead is too small to see
-constexpr double kMeniscus = 0.3e-3;            // [m] rise at the wall, and its length
-constexpr double kInto = 1.5;                   // [pitches] to the last place of the lattice beyond the liquid, which is moved to the wall
-constexpr double kWallLevel = 0.6;              // [-] density at the edge of the surface, a little in the bone
-constexpr double kWave = 3e-5, kWaves = 1.1e3;  // [m], [1/m] of ripples on the surface, which make it shine
-constexpr double kFar = 1e9;                    // [m]
-constexpr double kBeadHeight = 0.25;            // [-] of its radius
-constexpr int kSides = 6;                       // of a bead
-constexpr unsigned kRunOf = 9;                  // [beads] of which one starts a run
-constexpr int kMostRun = 60;                    // beads of a run
+constexpr std::uint8_t kWet = 255, kDull = 40;   // shine
+constexpr float kLeastPores = 0.3f;              // [-] share below which a bead is too small to see
+constexpr double kRise = 0.3e-3, kDip = 0.2e-3;  // [m] of the surface where a wall stands beside it; below the level at a brim
+constexpr double kMeniscus = 1e-3;               // [m] length over which both decay
+constexpr int kHalvings = 10;                    // of a line of a diagonal of the lattice: 0.3 um
+constexpr int kSweeps = 60;                      // of the surface's shape, which is smooth long before
+constexpr double kInto = 1.5;                    // [pitches] to the last place of the lattice beyond the liquid, which is moved to the wall
+constexpr double kWallLevel = 0.6;               // [-] density at the edge of the surface, a little in the bone
+constexpr double kWave = 3e-5, kWaves = 1.1e3;   // [m], [1/m] of ripples on the surface, which make it shine
+constexpr double kFar = 1e9;                     // [m]
+constexpr double kFilmHeight = 0.07, kDropHeight = 0.45;  // [-] of its radius
+constexpr double kRim = -0.5;                             // [-] of its height, of the rim of a patch: in the bone
+constexpr int kSides = 8;                                 // of a patch of film or a drop
+constexpr unsigned kDropOf = 23, kRunOf = 61;             // [patches] of which one carries a drop, and one starts a run
+constexpr int kMostRun = 90, kAcross = 5;                 // places along a run, points across it
 
 Rgba8 rgba(const Vec3& color, std::uint8_t shine) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z), shine}; }
 
@@ -76,17 +80,19 @@ class BloodShape {
       const auto place = surface_near(bone_.bone_from_index * Vec3(voxel));
       if (!place || voxel_of(index_from_bone_ * place->at) != voxel) return;
       const double size = edge_ * (0.55 + 0.65 * static_cast<double>(bone_.pores[at]));
-      const double swollen = size * (0.4 + 0.6 * std::sqrt(picture_.wetness));
       if (picture_.waxed[at] != 0) {
-        append_bead(*place, 1.5 * size, 0.2, rgba(kWaxColor, kDull));
+        append_patch(*place, 1.5 * size, 0.2, rgba(kWaxColor, kDull));
         return;
       }
       if (height(place->at) < picture_.level && picture_.blood > 0.0) return;  // under the pool
-      const unsigned dice = scatter(voxel);
       if (picture_.wetness <= 0.0) return;
-      append_bead(*place, swollen * (0.8 + 0.4 * (dice % 16) / 16.0), kBeadHeight,
-                  rgba(kBeadColor * (0.8 + 0.3 * (dice / 16 % 16) / 16.0), kWet));
-      if (picture_.wetness >= kRunWetness && dice / 256 % kRunOf == 0) append_run(*place, size);
+      const unsigned dice = scatter(voxel);
+      const double swollen = size * (0.55 + 0.6 * std::sqrt(picture_.wetness));
+      append_patch(*place, swollen, kFilmHeight, rgba(kBeadColor * shade(place->at), kWet));
+      if (dice % kDropOf == 0)
+        append_patch(*place, swollen * (0.7 + 0.6 * (dice / 64 % 16) / 16.0), kDropHeight, rgba(kBeadColor * 0.85, kWet));
+      if (picture_.wetness >= kRunWetness && dice / 1024 % kRunOf == 0)
+        append_run(*place, edge_ * (0.9 + 0.9 * (dice / 64 % 16) / 16.0), dice);
     });
   }
   void append_pool();
@@ -116,20 +122,25 @@ class BloodShape {
     }
     return Place{p, normal};
   }
-  void append_bead(const Place& place, double radius, double flat, const Rgba8& color) {
+  /// Slow change of colour over the wall, so that the film has no pattern of voxels.
+  [[nodiscard]] static double shade(const Vec3& p) {
+    return 0.9 + 0.1 * std::sin(1900.0 * p.x + 700.0 * p.z) * std::sin(1500.0 * p.y - 1100.0 * p.z);
+  }
+  void add(const Vec3& p, const Rgba8& color) {
+    out_.vertices.emplace_back(p);
+    out_.colors.push_back(color);
+  }
+  /// A flat cap on the surface; its rim is in the bone.
+  void append_patch(const Place& place, double radius, double flat, const Rgba8& color) {
     const auto first = static_cast<std::uint32_t>(out_.vertices.size());
     const Vec3 aside = glm::normalize(std::abs(place.normal.z) < 0.7 ? glm::cross(place.normal, Vec3(0.0, 0.0, 1.0))
                                                                      : glm::cross(place.normal, Vec3(1.0, 0.0, 0.0)));
     const Vec3 across = glm::cross(place.normal, aside);
-    const auto add = [&](const Vec3& p) {
-      out_.vertices.emplace_back(p);
-      out_.colors.push_back(color);
-    };
-    add(place.at + place.normal * (flat * radius));
-    for (const auto& [wide, high] : {std::pair{0.65, 0.72}, std::pair{1.0, -0.15}})
+    add(place.at + place.normal * (flat * radius), color);
+    for (const auto& [wide, high] : {std::pair{0.65, 0.72}, std::pair{1.0, kRim}})
       for (int n = 0; n < kSides; ++n) {
         const double turn = 2.0 * std::numbers::pi * n / kSides;
-        add(place.at + radius * (wide * (std::cos(turn) * aside + std::sin(turn) * across) + high * flat * place.normal));
+        add(place.at + radius * (wide * (std::cos(turn) * aside + std::sin(turn) * across) + high * flat * place.normal), color);
       }
     for (std::uint32_t n = 0; n < kSides; ++n) {
       const std::uint32_t next = (n + 1) % kSides, a = first + 1 + n, b = first + 1 + next;
@@ -138,21 +149,43 @@ class BloodShape {
       out_.triangles.push_back({a, b + kSides, b});
     }
   }
-  /// Blood runs down along the surface.
-  void append_run(Place place, double size) {
-    const double step = 0.6 * edge_;
+  /// Blood runs down along the surface: a band that wanders, narrows, and ends in a drop.
+  void append_run(Place place, double width, unsigned dice) {
+    const double step = 0.5 * edge_;
+    std::vector<Place> way;
+    std::vector<Vec3> aside;
     for (int n = 0; n < kMostRun; ++n) {
       const Vec3 along = bone_.down - glm::dot(bone_.down, place.normal) * place.normal;
-      if (glm::length(along) < 0.25) return;
-      const auto next = surface_near(place.at + step * glm::normalize(along));
-      if (!next || (picture_.blood > 0.0 && height(next->at) < picture_.level)) return;
+      if (glm::length(along) < 0.25) break;
+      const Vec3 side = glm::normalize(glm::cross(place.normal, along));
+      way.push_back(place);
+      aside.push_back(side);
+      const auto next = surface_near(place.at + step * (glm::normalize(along) + 0.35 * std::sin(0.37 * n + dice % 64) * side));
+      if (!next || (picture_.blood > 0.0 && height(next->at) < picture_.level)) break;
       place = *next;
-      append_bead(place, size * (0.6 - 0.25 * n / kMostRun), 0.4, rgba(kBeadColor * 0.9, kWet));
     }
+    if (way.size() < 3) return;
+    const auto first = static_cast<std::uint32_t>(out_.vertices.size());
+    const auto last = static_cast<double>(way.size() - 1);
+    for (std::size_t n = 0; n < way.size(); ++n) {
+      const double left = (last - static_cast<double>(n)) * step / width;  // [widths] to the end
+      const double drop = left < 2.0 ? std::sqrt(std::max(0.0, 1.0 - (left - 1.0) * (left - 1.0))) : 0.0;
+      const double half = 0.5 * width * std::max({0.05, drop, left < 1.0 ? 0.0 : 0.7 - 0.25 * static_cast<double>(n) / last});
+      for (const auto& [wide, high] :
+           {std::pair{-1.0, -0.2}, std::pair{-0.6, 0.35}, std::pair{0.0, 0.5}, std::pair{0.6, 0.35}, std::pair{1.0, -0.2}})
+        add(way[n].at + half * (wide * aside[n] + high * way[n].normal), rgba(kBeadColor * 0.9, kWet));
+    }
+    for (std::uint32_t n = 0; n + 1 < way.size(); ++n)
+      for (std::uint32_t k = 0; k + 1 < kAcross; ++k) {
+        const std::uint32_t a = first + n * kAcross + k, b = a + kAcross;
+        out_.triangles.push_back({a, a + 1, b + 1});
+        out_.triangles.push_back({a, b + 1, b});
+      }
   }
 
   void sound(PoolLattice& pool) const;
-  [[nodiscard]] Vec3 at_wall(const PoolLattice& pool, Vec3 p) const;
+  [[nodiscard]] Vec3 at_wall(const PoolLattice& pool, int i, int j) const;
+  [[nodiscard]] std::vector<double> shape_of(const PoolLattice& pool, const std::vector<Vec3>& place) const;
   void append_sheet(const PoolLattice& pool, const Rgba8& color, bool ground);
 
   const SiteBone& bone_;
@@ -240,37 +273,69 @@ double shallowest(const PoolLattice& pool, int i, int j) {
   return out;
 }
 
-/// Moves a place in the bone to the wall beside it, within the plane of the pool.
-Vec3 BloodShape::at_wall(const PoolLattice& pool, Vec3 p) const {
+/// @returns where the line from a place in the bone to the nearest one in the liquid meets the wall, within the plane of the pool.
+Vec3 BloodShape::at_wall(const PoolLattice& pool, int i, int j) const {
+  Vec3 dry = pool.place(i, j), wet = dry;
+  double nearest = kFar;
+  for (const int dj : {-1, 0, 1})
+    for (const int di : {-1, 0, 1}) {
+      if (i + di < 0 || j + dj < 0 || i + di >= pool.columns || j + dj >= pool.rows) continue;
+      if (pool.in[pool.at(i + di, j + dj)] <= 0.0 || std::hypot(di, dj) >= nearest) continue;
+      nearest = std::hypot(di, dj);
+      wet = pool.place(i + di, j + dj);
+    }
   const Vec3 below = -pool.up * edge_;
-  for (int n = 0; n < 4; ++n) {
-    if (!inside(p + below)) return p;
-    const auto slope_along = [&](const Vec3& axis) {
-      return (density(p + below + 0.75 * edge_ * axis) - density(p + below - 0.75 * edge_ * axis)) / (1.5 * edge_);
-    };
-    const Vec3 slope = pool.u * slope_along(pool.u) + pool.v * slope_along(pool.v);
-    const double steepness = glm::length(slope);
-    if (steepness * edge_ < 0.02) return p;
-    p -= slope / steepness * std::clamp((density(p + below) - kWallLevel) / steepness, -edge_, edge_);
+  for (int n = 0; n < kHalvings; ++n) {
+    const Vec3 middle = 0.5 * (dry + wet);
+    (density(middle + below) < kWallLevel ? wet : dry) = middle;
   }
-  return p;
+  return wet;
+}
+
+/// @returns the rise [m] of the surface at each place: given where it meets a wall or a brim, between them the shape of a liquid with surface
+/// tension, of which h = kMeniscus^2 x the Laplacian of h, by Gauss and Seidel.
+std::vector<double> BloodShape::shape_of(const PoolLattice& pool, const std::vector<Vec3>& place) const {
+  std::vector<double> rise(pool.in.size(), 0.0);
+  for (std::size_t at = 0; at < rise.size(); ++at) {
+    if (pool.in[at] > 0.0 || pool.out[at] > kInto) continue;
+    const double wall = density(place[at] + 0.75 * edge_ * pool.up);
+    rise[at] = glm::mix(-kDip, kRise, std::clamp(2.0 * wall, 0.0, 1.0));
+  }
+  const double stiff = std::pow(kMeniscus / pool.pitch, 2);
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (int j = 1; j + 1 < pool.rows; ++j)
+      for (int i = 1; i + 1 < pool.columns; ++i) {
+        const std::size_t at = pool.at(i, j);
+        if (pool.in[at] <= 0.0) continue;
+        const double sum = rise[pool.at(i - 1, j)] + rise[pool.at(i + 1, j)] + rise[pool.at(i, j - 1)] + rise[pool.at(i, j + 1)];
+        rise[at] = stiff * sum / (1.0 + 4.0 * stiff);
+      }
+  return rise;
 }
 
 void BloodShape::append_sheet(const PoolLattice& pool, const Rgba8& color, bool ground) {
   std::vector<std::uint32_t> vertex(pool.in.size(), 0);
+  std::vector<Vec3> place(pool.in.size(), Vec3(0.0));
+  for (int j = 0; j < pool.rows; ++j)
+    for (int i = 0; i < pool.columns; ++i) {
+      const std::size_t at = pool.at(i, j);
+      if (pool.out[at] <= kInto) place[at] = pool.in[at] > 0.0 ? pool.place(i, j) : at_wall(pool, i, j);
+    }
+  const std::vector<double> shape = ground ? std::vector<double>{} : shape_of(pool, place);
   for (int j = 0; j < pool.rows; ++j)
     for (int i = 0; i < pool.columns; ++i) {
       const std::size_t at = pool.at(i, j);
       if (pool.out[at] > kInto) continue;
-      Vec3 p = pool.place(i, j);
-      if (pool.in[at] <= 0.0) p = at_wall(pool, p);
-      const double x = kWaves * glm::dot(p, pool.u), y = kWaves * glm::dot(p, pool.v);
-      const double wave = kWave * (std::sin(x + 0.6 * y + std::sin(0.8 * y)) + std::sin(1.3 * y - 0.7 * x + std::sin(0.9 * x)));
-      const double rise = 0.6 * kMeniscus * std::exp(-pool.in[at] * pool.pitch / kMeniscus) + (pool.in[at] > 1.5 ? wave : 0.0);
-      p += pool.up * (ground ? -std::max(0.0, shallowest(pool, i, j) - 0.5 * edge_) : rise);
-      vertex[at] = static_cast<std::uint32_t>(out_.vertices.size()) + 1;
-      out_.vertices.emplace_back(p);
-      out_.colors.push_back(color);
+      Vec3 p = place[at];
+      if (ground) {
+        p -= pool.up * std::max(1.1 * kDip, shallowest(pool, i, j) - 0.5 * edge_);  // below the surface at a brim too
+      } else {
+        const double x = kWaves * glm::dot(p, pool.u), y = kWaves * glm::dot(p, pool.v);
+        const double wave = kWave * (std::sin(x + 0.6 * y + std::sin(0.8 * y)) + std::sin(1.3 * y - 0.7 * x + std::sin(0.9 * x)));
+        p += pool.up * (shape[at] + (pool.in[at] > 1.5 ? wave : 0.0));
+      }
+      add(p, color);
+      vertex[at] = static_cast<std::uint32_t>(out_.vertices.size());
     }
   for (int j = 0; j + 1 < pool.rows; ++j)
     for (int i = 0; i + 1 < pool.columns; ++i) {

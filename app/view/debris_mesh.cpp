@@ -19,7 +19,7 @@ constexpr float kMistSpread = 1.5e-3f;  // [m]
 constexpr float kMistVolume = 0.02f;    // [-] of a mist particle's volume that is drawn
 constexpr std::size_t kMistFlakes = 6;
 constexpr std::array<glm::vec3, 4> kCorners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
-constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+constexpr std::array<std::array<std::uint32_t, 3>, 4> kFaces{{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
 
 /// Random numbers of one flake.
 class Dice {
@@ -50,14 +50,13 @@ void append_flake(const glm::vec3& centre, float volume, const glm::vec3& color,
   const float now = glm::dot(corner[1] - corner[0], glm::cross(corner[2] - corner[0], corner[3] - corner[0])) / 6.0f;
   const float scale = std::cbrt(volume / std::abs(now));
   const glm::vec3 shown = color * (1.0f - 0.5f * (1.0f - kDarkest) * (1.0f + dice()));
-  for (const std::array<std::size_t, 3>& face : kFaces) {
-    const auto first = static_cast<std::uint32_t>(out.vertices.size());
-    for (const std::size_t n : face) {
-      out.vertices.push_back(centre + scale * (turn * corner[n]));
-      out.colors.push_back({code(shown.x), code(shown.y), code(shown.z), kMoist});
-    }
-    out.triangles.push_back({first, first + 1, first + 2});
+  // Corners are shared: normals are means over a flake: the appearance of a grain.
+  const auto first = static_cast<std::uint32_t>(out.vertices.size());
+  for (const glm::vec3& one : corner) {
+    out.vertices.push_back(centre + scale * (turn * one));
+    out.colors.push_back({code(shown.x), code(shown.y), code(shown.z), kMoist});
   }
+  for (const std::array<std::uint32_t, 3>& face : kFaces) out.triangles.push_back({first + face[0], first + face[1], first + face[2]});
 }
 
 }  // namespace
@@ -71,11 +70,13 @@ void append_debris(std::span<const ShownDebris> particles, const glm::vec3& down
       Dice dice(one.number, n);
       const glm::vec3 place = dice.in_ball();
       if (one.settled) {
-        append_flake(one.position + one.radius * (place - kResting * down), one.volume / static_cast<float>(count), kChipColor, dice, out);
+        append_flake(one.position + one.radius * (place - kResting * down), kFlakeVolume * one.volume / static_cast<float>(count),
+                     kChipColor, dice, out);
       } else if (one.is_mist) {
         append_flake(one.position + kMistSpread * place, kMistVolume * one.volume / kMistFlakes, kMistColor, dice, out);
       } else {
-        append_flake(one.position + kFlyingSpread * one.radius * place, one.volume / static_cast<float>(count), kChipColor, dice, out);
+        append_flake(one.position + kFlyingSpread * one.radius * place, kFlakeVolume * one.volume / static_cast<float>(count), kChipColor,
+                     dice, out);
       }
     }
   }

@@ -1,4 +1,4 @@
-/// app/view/debris_mesh.h: chips and mist in pictures: each particle as some irregular flakes, tetrahedra, with the volume of its bone.
+/// app/view/debris_mesh.h: chips and mist in pictures: each particle as some irregular flakes, tetrahedra, with a stated part of the volume of its bone.
 ///   A settled particle has its flakes in the ball that its loose chips fill; a flying one in a ball kFlyingSpread times as wide;
 ///   mist is fine specks with a small part of its volume, as opaque triangles cannot show a veil.
 ///   Frame  bone frame.   Units  m.   Errors  none.   Thread  any.   Random  from the number of a particle: a chip has the same flakes in all pictures.
@@ -35,8 +35,10 @@ class DebrisPicture final : public PictureSource {
   bool copied_ = false;
 };
 
-inline constexpr std::size_t kMostFlakes = 40'000;  ///< of a picture, where there are fewer particles
-inline constexpr std::size_t kMostFlakesOfOne = 6;
+inline constexpr std::size_t kMostFlakes = 150'000;  ///< of a picture, where there are fewer particles
+inline constexpr std::size_t kMostFlakesOfOne = 16;
+inline constexpr float kFlakeVolume =
+    0.15f;  ///< [-] of the volume of the bone: with all of it the flakes, of which there are too few, would be 1 mm wide
 inline constexpr float kFlyingSpread = 3.0f;
 
 /// Appends the flakes of particles. @param down unit, bone frame.

@@ -107,15 +107,17 @@ TEST_CASE("zones: the live value is the distance of a plain twin to the dura's v
   run_recorded(run, folder.file("zones.bhs"));
   const std::vector<double> measured = session_column(folder.file("zones.bhs"), kZoneDistanceColumn);
   REQUIRE(measured.size() == 300);
-  double largest = 0.0, from_sphere = 0.0;
+  double largest = 0.0, from_sphere = 0.0, sabotaged = 0.0;
   for (std::size_t n = 1; n < measured.size(); ++n) {
     const Vec3& p = way[n - 1];                                            // without [contact] the tool follows a tick later
     const double truth = glm::length(p - Vec3(0.0, 0.0, -80e-3)) - 75e-3;  // radius 80 mm, 5 mm of bone
     if (truth < 0.3e-3) continue;
     largest = std::max(largest, std::abs(measured[n] - twin(*bone, p)));
     from_sphere = std::max(from_sphere, std::abs(measured[n] - truth));
+    sabotaged = std::max(sabotaged, std::abs(measured[n] - twin(*bone, way[n])));  // the place of the next tick
   }
   CHECK(largest < 2e-9 + 6e-8 * 6e-3);
+  CHECK(sabotaged > 0.1e-3);                      // a tick is at least a voxel, 0.25 mm
   CHECK(from_sphere < std::sqrt(3.0) * 0.25e-3);  // the bound of distance_field.h
   CHECK(from_sphere > 1e-6);
 }
@@ -254,6 +256,54 @@ TEST_CASE("zones: guidance pushes the hand away, does no work above its allowanc
     without.run();
     CHECK(alone.largest == 0.0);
   }
+}
+
+namespace {
+
+/// A hand that a thrust pushes down against a damper, so that the force that it gets moves it: dz/dt = (f - thrust) / damping.
+class PushedHand final : public HandSource {
+ public:
+  explicit PushedHand(double sign) : sign_(sign) {}
+  const HandState& read() noexcept override {
+    state_.world_from_hand.translation = {0.0, 0.0, z};
+    state_.tick = tick_++;
+    return state_;
+  }
+  void apply(const Wrench& on_hand) noexcept override { z += 1e-3 * (sign_ * on_hand.force.z - 2.0) / 1000.0; }
+  double z = -3.4e-3;  // [m]
+
+ private:
+  double sign_;
+  HandState state_;
+  std::uint64_t tick_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "zones: guidance holds a hand of 2 N back before the dura, which it enters without guidance; a force of the wrong sign helps it in") {
+  // In 1.3 s at 2 N / (1000 N s/m) the hand alone goes 2.6 mm down, from 1.6 mm above the dura to 1.0 mm inside. Guidance of 4 N/mm begins 1 mm
+  // above it, after 0.3 s; then the depth below its start is 0.5 mm (1 - exp(-t / 0.25 s)), 0.49 mm at the end: 0.51 mm above the dura.
+  const auto closest = [](const std::string& keys, double sign) {
+    PushedHand hand(sign);
+    SimulationOptions options;
+    options.hand = &hand;
+    DrillRun run(scene_of(free_scene({"duration_s=1.3"}), "[zones]\n" + keys), options);
+    run.run();
+    return std::pair{figure(run.simulation(), "zones", "closest_dura_mm"), hand.z * 1e3};
+  };
+  const std::string guided =
+      "[zones.guidance]\nstart_mm = 1.0\nstiffness_N_per_m = 4000\nlargest_N = 50\ndamping_N_s_per_m = 0\nallowance_mJ = 10\n";
+  const auto [with, z_with] = closest(guided, 1.0);
+  const auto [without, z_without] = closest("", 1.0);
+  const auto [flipped, z_flipped] = closest(guided, -1.0);
+  MESSAGE("closest to the dura: guided " << with << ", alone " << without << ", flipped " << flipped << " mm; hand at " << z_with << ", "
+                                         << z_without << ", " << z_flipped << " mm");
+  CHECK(z_without == doctest::Approx(-6.0).epsilon(1e-3));
+  CHECK(std::abs(without + 1.0) < 0.25);  // a voxel
+  CHECK(std::abs(with - 0.51) < 0.25);
+  CHECK(std::abs(with - without - 1.51) < 0.25);
+  CHECK(flipped < without - 0.25);  // the sabotage
 }
 
 TEST_CASE("zones: each key changes what it names") {

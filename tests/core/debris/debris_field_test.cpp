@@ -209,7 +209,12 @@ TEST_CASE("debris: the hidden share is that of a disc's area under the chips, fa
   REQUIRE(one.particles().size() == 1);
   const double r = one.radius_of(one.particles()[0]), pitch = 2.0 * 2e-3 / DebrisField::kRaster;
   CHECK(r == doctest::Approx(std::cbrt(0.75 * 2.0e-9 / std::numbers::pi)));
-  CHECK(std::abs(one.hidden_share(Vec3(one.particles()[0].position), up, 2e-3) - r * r / 4e-6) < 2.0 * pitch * r * 2.0 / 4e-6);
+  const Vec3 at(one.particles()[0].position);
+  const double bound = 2.0 * pitch * r * 2.0 / 4e-6;
+  CHECK(std::abs(one.hidden_share(at, up, 2e-3) - r * r / 4e-6) < bound);
+  // Sabotage: over a disc that is wider or lies aside, it is another share.
+  CHECK(std::abs(one.hidden_share(at, up, 3e-3) - r * r / 4e-6) > bound);
+  CHECK(std::abs(one.hidden_share(at + Vec3(2e-3, 0.0, 0.0), up, 2e-3) - r * r / 4e-6) > bound);
 }
 
 TEST_CASE("debris: a full budget merges, keeps the volume, and is counted; a large one does not") {
