@@ -27,7 +27,7 @@ struct TrialScene {
 /// A scene with an effect added or taken away, or with keys changed.
 struct EffectTrial {
   std::string table;
-  std::vector<std::string> sets{};  ///< as TomlDocument::set() takes them
+  std::vector<std::string> sets{};    ///< as TomlDocument::set() takes them
   std::vector<std::string> unsets{};  ///< the table, before it those that require it
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -104,6 +105,27 @@ TEST_CASE("friction: the hand feels the friction of contact, and the drill does 
   CHECK(felt.largest < 1.1 * kThrust);  // a tool of the servo that goes its own way is met by the hand with up to 70 N
 }
 
+TEST_CASE("friction: the tip whirls in its pit at the rate of the hand on its springs, and not with a hand that damps it") {
+  const auto swing_of = [](const std::vector<std::string>& more) {
+    std::vector<std::string> sets{"friction={}", "duration_s=6"};
+    sets.insert(sets.end(), more.begin(), more.end());
+    DrillRun run(load_parietal(sets));
+    run.run();
+    return run.simulation().stage().servo->swing();
+  };
+  // The arm and the coupling carry the hand, 0.6 kg by default. The pit gives way, so the rate is below that of a fixed tool; a hand that is
+  // carried by the arm alone is far below.
+  const double held = std::sqrt((1000.0 + kCoupling) / 0.6) / (2.0 * std::numbers::pi),
+               loose = std::sqrt(1000.0 / 0.6) / (2.0 * std::numbers::pi);
+  const Swing swing = swing_of({}), heavy = swing_of({"hand.mass_kg=2.4"});
+  std::printf("friction: swings of %.2f N at %.1f Hz, of a hand of four times the mass at %.1f Hz; %.1f Hz on its springs\n", swing.force,
+              swing.frequency, heavy.frequency, held);
+  CHECK(swing.frequency > 0.5 * (held + loose));
+  CHECK(swing.frequency < held);
+  CHECK(std::abs(heavy.frequency / swing.frequency - 0.5) < 0.1);  // 1 / sqrt(4); counted in whole periods of about ten
+  CHECK(swing_of({"hand.damping_N_s_per_m=40"}).force == 0.0);
+}
+
 TEST_CASE("friction: the moment of the drag on the shaft is in proportion to the kinetic coefficient") {
   const double whole = drag_of("{static_coefficient=0.3,kinetic_coefficient=0.3}");
   const double half = drag_of("{static_coefficient=0.3,kinetic_coefficient=0.15}");
@@ -127,7 +149,8 @@ TEST_CASE("friction: a tool that is pushed aside with 0.269 of its load stays be
   CHECK(slid.share < 0.2);
 }
 
-TEST_CASE("friction: contact at 1000 to 20 Hz, at rest and at ten times the speed: no latched fault, and no force beyond twice the thrust") {
+TEST_CASE(
+    "friction: contact at 1000 to 20 Hz, at rest and at ten times the speed: no latched fault, and no force beyond twice the thrust") {
   for (const char* rate : {"1000", "200", "50", "20"})
     for (const char* spin : {"0", "1000", "10000"}) {
       CAPTURE(rate);
