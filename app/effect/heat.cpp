@@ -30,6 +30,8 @@ struct HeatScene {
   std::string place{};
 };
 
+constexpr double kSevereDose = 64.0;  // [min] 50 C for 30 s
+constexpr double kBrainDose = 1.3;    // [min] opens the blood-brain barrier of rats
 constexpr double kMostSteps = 100.0;  // [-] of conduction in a step of bone: seconds for each second of a run
 
 class HeatEffect final : public Effect {
@@ -70,6 +72,8 @@ class HeatEffect final : public Effect {
     out.add("hottest_C", scene_.field.body + highest_);
     out.add("bone_at_most_C", scene_.field.body + field_.highest_peak());
     out.add("dead_bone_mm3", field_.volume_with_dose(scene_.damage_dose) * 1e9);
+    out.add("dead_bone_64_mm3", field_.volume_with_dose(kSevereDose) * 1e9);
+    out.add("dose_inner_face_min", inner_face_dose());
     out.add("work_J", work_);
     out.add("released_J", b.input);
     out.add("in_bone_J", in_bone);
@@ -77,7 +81,7 @@ class HeatEffect final : public Effect {
     out.add("coolant_J", b.cooled);
     out.add("edge_J", b.edge);
     out.add("unplaced_J", b.unplaced);
-    out.add("balance_error", b.input > 0.0 ? std::abs(b.input - in_bone - b.chips - b.cooled - b.edge - b.unplaced) / b.input : 0.0);
+    out.add("balance_error", balance_error(b, in_bone));
     out.add("cells", static_cast<std::uint64_t>(field_.domain().count()));
     out.add("steps", field_.steps());
   }
@@ -88,6 +92,10 @@ class HeatEffect final : public Effect {
       out.push_back(
           fmt::format("[heat] {:.3g} mm3 of the bone that is left had a dose of {:g} min at 43 C and more, up to {:.0f} C: it dies", dead,
                       scene_.damage_dose, scene_.field.body + field_.highest_peak()));
+    if (const double dose = inner_face_dose(); dose >= kBrainDose)
+      out.push_back(
+          fmt::format("[heat] bone at the inner face had a dose of {:.3g} min at 43 C; {:g} min opens the blood-brain barrier of rats",
+                      dose, kBrainDose));
     const HeatBalance& b = field_.balance();
     if (b.edge + b.unplaced > 0.05 * b.input)
       out.push_back(fmt::format("[heat] {:.0f} % of the heat left the box in which it is computed: increase heat.reach_mm",
@@ -125,6 +133,29 @@ class HeatEffect final : public Effect {
 
  private:
   static constexpr double kMapSide = 0.014, kMapBelow = 2e-3;  // [m] from the axis; below the inner surface
+
+  /// @returns what the sum leaves unexplained over the largest of its terms [-]: with a coolant, more can leave than was released.
+  static double balance_error(const HeatBalance& b, double in_bone) noexcept {
+    const double rest = std::abs(b.input - in_bone - b.chips - b.cooled - b.edge - b.unplaced);
+    const double largest =
+        std::max({b.input, std::abs(in_bone), std::abs(b.chips), std::abs(b.cooled), std::abs(b.edge), std::abs(b.unplaced)});
+    return largest > 0.0 ? rest / largest : 0.0;
+  }
+  /// @returns the largest dose [min] of the cells that hold the inner face: those with bone, next to the depth of the inner surface at
+  /// the drilled line, up to kMapSide from it. The tissue below has at most that dose, since heat reaches it through the face.
+  double inner_face_dose() const noexcept {
+    const double pitch = std::min({field_.edges().x, field_.edges().y, field_.edges().z});
+    double most = 0.0;
+    for (double x = -kMapSide; x <= kMapSide; x += pitch)
+      for (double y = -kMapSide; y <= kMapSide; y += pitch)
+        for (double z = -depth_ - kMapBelow; z <= -depth_ + 2.0 * pitch; z += 0.5 * pitch) {  // from below: the first bone is the face
+          const Vec3i cell = cells_.cell_of(voxel_of(index_from_approach_ * Vec3(x, y, z)));
+          if (field_.share(cell) < HeatField::kLeastShare) continue;
+          most = std::max(most, static_cast<double>(field_.dose(cell)));
+          break;
+        }
+    return most;
+  }
 
   void run(const Tick& tick) {
     read_bone(voxmap_->take_dirty(listener_));

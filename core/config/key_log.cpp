@@ -15,9 +15,10 @@
 namespace burrhole {
 namespace {
 
-/// Shortest text. Large bounds are written as powers of ten, which are easier to read.
+/// Shortest text to 12 digits, since a value that was converted from SI is off in the last of 16. Large bounds are written as powers of
+/// ten, which are easier to read.
 std::string bound_text(double value) {
-  if (std::abs(value) < 1e5) return number_text(value);
+  if (std::abs(value) < 1e5) return fmt::format("{:.12g}", value);
   std::string text = fmt::format("{:e}", value);  // 1.000000e+09
   const std::size_t e = text.find('e');
   std::string digits = text.substr(0, e);

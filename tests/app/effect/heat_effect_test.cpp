@@ -117,6 +117,44 @@ TEST_CASE("heat: the split of the heat between bone and chips follows a one-dime
   }
 }
 
+TEST_CASE("heat: above 43 C the dose of the inner face doubles with each degree of the body; thresholds of bone and brain") {
+  const auto run = [](const std::string& keys) {
+    auto out = std::make_unique<DrillRun>(post("[heat]\n" + keys));
+    out->run();
+    return out;
+  };
+  const auto dose = [](DrillRun& drilled) { return figure(drilled.simulation(), "heat", "dose_inner_face_min"); };
+  const auto warns = [](DrillRun& drilled) {
+    std::vector<std::string> out;
+    for (const Stage::MadeEffect& made : drilled.simulation().stage().effects()) made.effect->warn(out);
+    return std::ranges::any_of(out, [](const std::string& text) { return text.find("blood-brain barrier") != std::string::npos; });
+  };
+  // The rise does not depend on the body's temperature, so CEM43 has the exact factor 2^4 from 44 to 48 C; floats are summed over 100 steps.
+  const auto low = run("share = 0.1\nbody_C = 44\n"), high = run("share = 0.1\nbody_C = 48\n"), cool = run("share = 0.1\n");
+  CHECK(dose(*high) == doctest::Approx(16.0 * dose(*low)).epsilon(1e-5));
+  // The face is at most as hot as the hottest bone, for at most 20 s.
+  CHECK(dose(*low) > 0.0);
+  CHECK(dose(*low) < 20.0 / 60.0 * std::exp2(figure(low->simulation(), "heat", "bone_at_most_C") - 43.0));
+  CHECK(dose(*high) > 1.3);
+  CHECK(warns(*high));
+  CHECK(dose(*cool) < 1.3);
+  CHECK_FALSE(warns(*cool));
+  const auto dead = [](const std::string& keys, const char* name) {
+    DrillRun drilled(post("[heat]\n" + keys));
+    drilled.run();
+    return figure(drilled.simulation(), "heat", name);
+  };
+  CHECK(dead("damage_dose_min = 64\n", "dead_bone_mm3") == dead("", "dead_bone_64_mm3"));
+}
+
+TEST_CASE("heat: the balance of energy is a share of its largest term, so it holds when saline takes far more than is released") {
+  DrillRun run(post("[heat]\n[irrigation]\nalways = true\n", {"tool.spin_rpm=1"}));
+  run.run();
+  const double released = figure(run.simulation(), "heat", "released_J"), coolant = figure(run.simulation(), "heat", "coolant_J");
+  MESSAGE("released " << released << " J, taken by saline " << coolant << " J");
+  CHECK(figure(run.simulation(), "heat", "balance_error") < 1e-4);
+}
+
 TEST_CASE("heat: it depends little on the rate of the bone steps, from 10 ms to 200 ms") {
   std::vector<double> in_bone;
   for (const char* const rate : {"erosion.rate_hz=5", "erosion.rate_hz=20", "erosion.rate_hz=100"}) {

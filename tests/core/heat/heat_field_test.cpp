@@ -288,6 +288,11 @@ TEST_CASE("heat: a coolant takes no more than warms it to the hottest bone that 
   scarce.cool({.centre = Vec3(10.0, 10.0, 3.0), .radius = 1.0, .film = film, .rise = -17.0, .arriving = arriving}, dt);
   CHECK(scarce.balance().cooled == doctest::Approx(arriving * dt * 27.0).epsilon(1e-5));
   CHECK(scarce.balance().cooled < wet.balance().cooled);
+  // Sabotage: a film that is off by a tenth, and a coolant without the limit of its warming, are noticed.
+  HeatField thick = warm();
+  thick.cool({.centre = Vec3(10.0, 10.0, 3.0), .radius = 1.0, .film = 1.1 * film, .rise = -17.0, .arriving = 1e9}, dt);
+  CHECK(static_cast<double>(thick.rise(Vec3i(10, 10, 3))) != doctest::Approx(expected).epsilon(1e-5));
+  CHECK(wet.balance().cooled > arriving * dt * 27.0 * (1.0 + 1e-5));
 }
 
 TEST_CASE("heat: work follows the warm box, and cold bone costs nothing") {
