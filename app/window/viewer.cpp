@@ -274,10 +274,11 @@ bool Viewer::choose_lights(const WindowView& view) {
   if (!figures_.lights || *figures_.lights == wanted) return false;
   parts_.renderer->set_lights(wanted);
   figures_.lights = wanted;
-  std::optional<Image> before = std::move(rest_);
+  std::optional<BeforeLights> before;
+  if (rest_) before = BeforeLights{std::move(*rest_), figures_.full_ms};
   forget_rest();
   rough_.reset();
-  if (before) before_lights_ = BeforeLights{std::move(*before), figures_.full_ms};
+  before_lights_ = std::move(before);
   return true;
 }
 
