@@ -127,9 +127,10 @@ TEST_CASE("drilling force: it acts against the bone, in proportion to its key, a
   };
   const double once = peak("", {"duration_s=1.0"});
   CHECK(once > 0.01);
-  const double twice = peak("resistance_N_s_per_m = 200\n", {"duration_s=1.0"});
-  CHECK(twice > 1.5 * once);  // a little below 2: the force slows the drill
-  CHECK(twice < 2.05 * once);
+  // Against half of it: twice the default throws a hand that touches bone at 5 mm/s off it, and it comes back faster.
+  const double half = peak("resistance_N_s_per_m = 50\n", {"duration_s=1.0"});
+  CHECK(once > 1.5 * half);  // a little below 2: the force slows the drill
+  CHECK(once < 2.05 * half);
   CHECK(peak("time_constant_ms = 200\n", {"duration_s=1.0"}) < 0.7 * once);
   CHECK(peak("", {"duration_s=1.0", "tool.spin_rpm=0"}) == 0.0);
 }

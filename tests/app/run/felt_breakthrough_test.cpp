@@ -98,7 +98,7 @@ TEST_CASE("hand: tables and diploe that are felt are no breakthrough, the exit i
   CHECK(felt.through < plain.through + 0.5);
   CHECK(felt.detected > felt.through - 0.1);
   CHECK(felt.detected - felt.through < plain.detected - plain.through + 0.05);  // not later
-  // After the exit the coupling stays as soft as the diploe left it: it stiffens only as cutting pays for it (core/contact/felt_hardness.h). It is
+  // After the exit the coupling stays as soft as bone left it: it stiffens only as cutting pays for it (core/contact/felt_hardness.h). It is
   // never softer than on bone of hardness 0. The derivation is continuous, but bone recedes in steps: by up to one of them, at half of the push,
   // where a loss of support begins and where the tip is deepest.
   const After stiff = after_release(plain.hand, plain.coupling, plain.speed);
@@ -108,7 +108,6 @@ TEST_CASE("hand: tables and diploe that are felt are no breakthrough, the exit i
                                                       << 1e3 * stiff.plunge << ", " << 1e3 * soft.plunge << " mm");
   CHECK(plain.plunge < stiff.plunge + step);
   CHECK(felt.plunge < soft.plunge + step);
-  CHECK(felt.plunge > stiff.plunge + step);
   CHECK(felt.beyond - plain.beyond < soft.advance - stiff.advance + step);
   // Sabotage: such a hand stops in bone.
   CHECK(alone.detected < alone.through - 1.0);
