@@ -8,8 +8,10 @@ namespace burrhole {
 
 std::string UnmetRequirement::text() const {
   const std::string& keys = requirement.keys;
+  const bool is_key = keys.find('=') != std::string::npos;  // otherwise a table below the table
+  const std::string instead = is_key ? "change that key" : fmt::format("remove [{}{}{}]", table, keys.empty() ? "" : ".", keys);
   return fmt::format("[{}]{} has no effect without [{}]: {}; add [{}], or {}", table, keys.empty() ? "" : " " + keys, requirement.table,
-                     requirement.without, requirement.table, keys.empty() ? fmt::format("remove [{}]", table) : "change that key");
+                     requirement.without, requirement.table, instead);
 }
 
 std::vector<UnmetRequirement> unmet_requirements(const EffectPlans& effects, const StageConfig& config) {

@@ -16,7 +16,7 @@ struct Requirement {
   std::string table;    ///< whose effect provides it
   bool met = false;     ///< some effect of the scene provides it
   std::string without;  ///< what the effect would do without it
-  std::string keys{};   ///< the keys that require it, as "law = \"energy\""; empty: the whole table does
+  std::string keys{};   ///< the key that requires it with its value, or the table below: "law = \"energy\""; empty: the whole table does
 };
 
 /// Base of a plan that requires something, beside EffectPlan.

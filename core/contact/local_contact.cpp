@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/tangential_law.h"
+
 namespace burrhole {
 namespace {
 
 constexpr std::size_t kDirections = 24;         // faces of a cube, four sectors each
 constexpr double kLargestTurnStiffness = 1e12;  // [N m/rad] replaces infinity
-static_assert(kDirections <= kMaxLocalPlanes);
+constexpr std::size_t kMostContacts = 32;       // of a penalty model that are listed one by one
+static_assert(kDirections <= kMaxLocalPlanes && kMostContacts <= kMaxPressedPoints);
 
 /// Index, below kDirections, of a unit vector's sector.
 std::size_t direction_of(const Vec3& n) noexcept {
@@ -64,6 +67,7 @@ Mat3 coupled_gradient(const LocalContact& local) noexcept {
   std::size_t count = 0;
   for (const HoldPlane& plane : local.list())
     if (carries(plane)) loaded[count++] = plane;
+  if (count == 0) return Mat3(0.0);
   const double spring = local.coupling_stiffness, turn_spring = std::min(local.turn_stiffness, kLargestTurnStiffness);
   const HoldProblem problem{.stiffness = spring,
                             .turn_stiffness = turn_spring,
@@ -79,7 +83,7 @@ Mat3 coupled_gradient(const LocalContact& local) noexcept {
     out[static_cast<int>(axis)] = spring * Vec3(moved[0], moved[1], moved[2]);
     out[static_cast<int>(axis)][static_cast<int>(axis)] -= spring;
   }
-  return out;
+  return 0.5 * (out + glm::transpose(out));
 }
 
 }  // namespace
@@ -89,7 +93,7 @@ void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, do
   out.kind = LocalKind::penalty;
   out.count = 0;
   if (!(point_stiffness > 0.0)) return;
-  if (contacts.size() <= kMaxLocalPlanes) {
+  if (contacts.size() <= kMostContacts) {
     for (const Contact& contact : contacts)
       out.planes[out.count++] = plane_of(contact.normal, contact.position - tool_origin, contact.depth, point_stiffness, contact.point);
     return;

@@ -21,7 +21,7 @@
 
 namespace burrhole {
 
-/// All planes that carry load, and the nearest of the others. With friction a plane that is left out is a force that is missing.
+/// All planes that carry load, and one of each region of the tool where others are near, as far as there is room. With friction a plane that is left out is a force that is missing.
 inline constexpr std::size_t kMaxLocalPlanes = kMaxHoldPlanes + 16;
 
 enum class LocalKind : std::uint32_t { none, penalty, coupled };
@@ -49,7 +49,7 @@ struct LocalContact {
 static_assert(std::is_trivially_copyable_v<LocalContact>);
 
 /// Sets the planes of a penalty model's contacts, each of `point_stiffness` [N/m] (for averaged contacts: the model's k over their number).
-/// More than kMaxLocalPlanes are merged by direction: the force at the pose is kept, and a merged plane has the total stiffness of its
+/// More than 32 are merged by direction: the force at the pose is kept, and a merged plane has the total stiffness of its
 /// contacts.
 /// @param by_place merges by the side of a cube and the quarter of that side's face instead, which preserves the rim speed of a spinning
 /// tool.

@@ -69,7 +69,7 @@ class SurfaceForm final : public ContactForm {
     return type == typeid(RecordPrecision) ? &record_bits_ : nullptr;
   }
   void take_scan_layers() noexcept override {
-    if (!diploe_given_) label_stiffness_[static_cast<std::size_t>(VoxelLabel::diploe)] = kScannedDiploe;
+    if (!diploe_given_ && tool_.felt_hardness > 0.0) label_stiffness_[static_cast<std::size_t>(VoxelLabel::diploe)] = kScannedDiploe;
   }
   ContactFormNeeds needs() const override {
     ContactFormNeeds out;

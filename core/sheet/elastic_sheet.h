@@ -111,7 +111,7 @@ class ElasticSheet {
     double share, length;  // [-] of the step, at its start; of it
     Edges edges;
   };
-  /// Solves a part of the step and breaks edges until none is above the limit. @returns false, with the sheet as before: an edge is too long.
+  /// Solves a part of the step and breaks edges until none is above the limit, or the bound on solutions is reached. @returns false, with the sheet as before: an edge is too long.
   bool advance(const Part& part, double dt, const SheetLoad& load);
   [[nodiscard]] double height_at(const SheetLattice::Place& place, const Field& x) const noexcept;
   [[nodiscard]] double energy(const Field& x) noexcept;

@@ -104,7 +104,7 @@ bool ElasticSheet::advance(const Part& part, double dt, const SheetLoad& load) {
     return false;
   }
   for (;;) {
-    if (strain <= most && converged) {
+    if (strain <= most && converged) {  // a state that is not at rest, or will break, is no figure of the run
       const double force = tool_force();
       state_.peak = std::max(state_.peak, force);
       if (force > 0.0) state_.deepest = std::max(state_.deepest, lowest());

@@ -123,8 +123,11 @@ class HandScript {
   [[nodiscard]] bool loses_bone(double carried) noexcept;
   [[nodiscard]] bool feels_nothing(double carried, double height, double climb) noexcept;
   void watch_face(double carried) noexcept;
-  /// @returns the force [N] that bone carries while the hand is at rest.
-  [[nodiscard]] double load() const noexcept { return std::max(0.0, goal_.thrust - added_); }
+  /// @returns the force [N] that bone carries while the hand is at rest. What effects add may be more than the thrust: then it is at least
+  /// what counts as contact, so that no rule acts on rounding.
+  [[nodiscard]] double load() const noexcept {
+    return added_ == 0.0 ? goal_.thrust : std::max(std::min(goal_.thrust, config_.contact_force), goal_.thrust - added_);
+  }
   [[nodiscard]] bool face_falls(double rough) const noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;

@@ -50,7 +50,7 @@ const char* name_of(MultiRateScheme scheme) noexcept {
 }
 
 void MultiRate::clear() noexcept {
-  number_ = 0;
+  number_ = followed_ = 0;
   ticks_ = 0;
   from_ = shown_ = {};
   tool_.clear();

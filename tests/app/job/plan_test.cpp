@@ -128,12 +128,12 @@ TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and
   CHECK(warnings({.sets = {"erosion.subvoxel=false", "tool.spin_rpm=0"}}).empty());
   CHECK(warnings({.contact_keys = kPenaltyKeys, .sets = {"erosion.subvoxel=false"}}).empty());
   CHECK(warnings({.sets = {"erosion.law=energy"}}).empty());
-  // Without [contact] a law by power has no thrust.
+  // Without [contact] drilling is not felt.
   CHECK(warnings({.contact = false}).size() == 1);
 
   const std::vector<std::string> idle = warnings({.spindle = true, .sets = {"tool.spin_rpm=0"}});
   REQUIRE(idle.size() == 1);
-  CHECK(idle.front().starts_with("[spindle] without"));
+  CHECK(idle.front().starts_with("[spindle] the tool's spin is 0"));
 }
 
 TEST_CASE("plan: warns of an engaged depth under a voxel where bone is cut by whole voxels, and of drilling that is not felt") {

@@ -74,7 +74,10 @@ TEST_CASE("contradiction: an effect of erosion without [erosion], and of contact
     const bool keys = one.subject.size() > one.table.size() + 2;
     CHECK(errors_of(text, {"unset " + one.lacking}) ==
           Lines{"bad.toml:" + std::to_string(line) + ":2: " + one.subject + " has no effect without [" + one.lacking + "]: " + one.without +
-                "; add [" + one.lacking + "], or " + (keys ? "change that key" : "remove [" + one.table + "]")});
+                "; add [" + one.lacking + "], or " +
+                (one.lines.starts_with("[") ? "remove " + one.lines
+                 : keys                     ? "change that key"
+                                            : "remove [" + one.table + "]")});
   }
   for (const char* const law : {"energy", "threshold", "progressive"})
     CHECK(errors_of(kPlain, {std::string("erosion.law=") + law, "unset contact"}) ==
