@@ -38,7 +38,7 @@ constexpr const char* kLevelTexts[] = {"clear", "pressed", "torn"};  // of DuraS
 constexpr double kAbove = 3e-3, kBelow = 8e-3;  // [m] from the inner end of the axis, between which the dura is searched
 constexpr double kNear = 2e-3;                  // [m] of a point of the tool above the dura, beyond which the dura is left at rest
 constexpr double kVoxelsAbove = 2.0;            // of the dura, where bone over it is sought: half of one lies in the ramp of its surface
-constexpr double kLeastHeld = 0.75;             // [-] of the places of the rim: noise of a scan has holes
+constexpr double kLeastHeld = 0.25;             // [-] of the places of the rim: noisy bone has holes, a drilled hole has none
 constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
 constexpr std::uint64_t kPictureBytes =
     10000;                         // of a node: 94 triangles with 49 vertices, also in the driver, and what finds their corners

@@ -66,7 +66,7 @@ Vec3 coupled_force(const LocalContact& local, const Vec3& hand) {
 }  // namespace
 
 TEST_CASE("list_penalty: up to as many contacts as there is room for are listed as they are") {
-  const auto found = contacts(kMaxLocalPlanes, 3);
+  const auto found = contacts(32, 3);
   LocalContact local;
   list_penalty(found, Vec3(0.0), 500.0, local);
   REQUIRE(local.count == found.size());
