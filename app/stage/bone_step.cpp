@@ -159,14 +159,17 @@ Status BoneStep::keep_window(const ErosionPath& path) {
   const Affine to = path.at(share);
   const VoxelBox& window = voxmap_->window().box;
   if (window.contains(box(to, margins_.least))) return {};
-  // What lies beside the new place stays in the window, so that it does not slide to and fro under a tool that swings.
-  // A window that reaches ahead, under a fast tool, has no memory for that.
-  const auto with_old = [&](int beyond) { return box(to, margins_.placed).unite(window.intersect(box(to, margins_.placed + beyond))); };
+  const VoxelBox wanted = box(to, margins_.placed);
+  const Vec3i slides = wanted.lo + wanted.hi - window.lo - window.hi;
+  const bool returns = glm::dot(Vec3(slides), Vec3(slid_)) < 0.0;
+  slid_ = slides;
+  // A window that slides back keeps what lies beside its new place, so that it does not slide to and fro under a tool that swings.
+  const auto with_old = [&](int beyond) { return wanted.unite(window.intersect(box(to, margins_.placed + beyond))); };
   const std::size_t room = grown_window_voxels(tool_box(*tool_, path.from, margins_.placed).count());
   const auto has_room = [&](const VoxelBox& b) { return b.count() <= room && fits_window(b.size()); };
-  int kept = kKept;
+  int kept = returns ? kKept : 0;
   while (kept > 0 && !has_room(with_old(kept))) kept /= 2;
-  return voxmap_->place_window(kept > 0 ? with_old(kept) : box(to, margins_.placed));
+  return voxmap_->place_window(kept > 0 ? with_old(kept) : wanted);
 }
 
 Status BoneStep::place(const Pose& world_from_tool) {

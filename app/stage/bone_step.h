@@ -99,6 +99,7 @@ class BoneStep {
   StepGraph* graph_;
   Affine bone_from_index_, index_from_world_;
   WindowMargins margins_;
+  Vec3i slid_{0};  // [half voxels] last slide of the window
   const CoarseDistance* coarse_;
   ShellCover cover_;
   double near_ = 0.0;       // [m] bone at a smaller bound of its distance counts as near
