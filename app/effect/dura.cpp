@@ -38,7 +38,8 @@ constexpr const char* kLevelTexts[] = {"clear", "pressed", "torn"};  // of DuraS
 constexpr double kAbove = 3e-3, kBelow = 8e-3;  // [m] from the inner end of the axis, between which the dura is searched
 constexpr double kNear = 2e-3;                  // [m] of a point of the tool above the dura, beyond which the dura is left at rest
 constexpr double kVoxelsAbove = 2.0;            // of the dura, where bone over it is sought: half of one lies in the ramp of its surface
-constexpr double kLeastHeld = 0.25;             // [-] of the places of the rim: noisy bone has holes, a drilled hole has none
+constexpr double kLeastHeld = 0.75;             // [-] of the places of the rim, in noisy bone with holes
+constexpr int kVoxelsDeep = 4;                  // of bone over the dura, one of which holds it
 constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
 constexpr std::uint64_t kPictureBytes =
     10000;                         // of a node: 94 triangles with 49 vertices, also in the driver, and what finds their corners
@@ -276,19 +277,22 @@ double widest(const std::vector<Vec3>& points) {
   return out;
 }
 
-/// @returns why the rim of a sheet has nothing to be held by; empty if bone as loaded lies over all of it, at its radius.
+/// @returns why the rim of a sheet has nothing to be held by; empty if bone as loaded lies over enough of it, at its radius.
 std::string why_not_held(const DuraScene& scene, const SheetLattice& lattice, const std::vector<double>& heights, const BoneModel& bone,
                          const Pose& bone_from_sheet) {
   const Affine index_from_sheet = bone.bone_from_index().inverse() * Affine::from_pose(bone_from_sheet);
   double reached = scene.radius;
   std::size_t rim = 0, held = 0;
-  const double above = kVoxelsAbove * bone.bone_from_index().mean_edge();
+  const double edge = bone.bone_from_index().mean_edge();
   for (std::size_t n = 0; n < lattice.nodes(); ++n) {
     if (!lattice.on_rim(n)) continue;
     const double x = lattice.x(n), y = lattice.y(n);
     reached = std::min(reached, std::hypot(x, y) + lattice.spacing());
     ++rim;
-    held += bone.occupancy(voxel_of(index_from_sheet * Vec3(x, y, heights[n] + above))) >= 0.5f ? 1 : 0;
+    bool bones = false;
+    for (int k = 0; k < kVoxelsDeep; ++k)
+      bones = bones || bone.occupancy(voxel_of(index_from_sheet * Vec3(x, y, heights[n] + (kVoxelsAbove + k) * edge))) >= 0.5f;
+    held += bones ? 1 : 0;
   }
   if (reached < scene.radius - 1e-9)
     return fmt::format("the dura reaches only {:.3g} mm from the drilled line, so it cannot be held at radius_mm = {:g}",
