@@ -36,15 +36,19 @@ struct Drilled {
   double depth = 0.0;                    ///< [m] of the tip then
 };
 
-/// The shipped scene without its clutch, which would end the run without any rule of the hand.
-Drilled drilled(const Sets& sets, bool aware = true) {
+/// Runs the shipped scene without its clutch, which would end the run without any rule of the hand. @returns what `read` finds in the run.
+template <class Read>
+auto run_of(const Sets& sets, bool aware, Read&& read) {
   LoadedScene loaded = load_parietal(sets);
   UnawareHand unaware(scene_hand(loaded));
   SimulationOptions options;
   if (!aware) options.hand = &unaware;
   DrillRun run(std::move(loaded), options);
   run.run();
-  const Simulation& simulation = run.simulation();
+  return read(run.simulation());
+}
+
+Drilled found_in(const Simulation& simulation, const Sets& sets, bool aware) {
   REQUIRE(simulation.progress().breakthrough_time);
   Drilled out;
   out.through = *simulation.progress().breakthrough_time;
@@ -64,6 +68,10 @@ Drilled drilled(const Sets& sets, bool aware = true) {
               << " s, detected " << out.detected - out.through << " s later, " << 1e3 * out.depth << " mm deep, at last "
               << 1e3 * simulation.progress().deepest << " mm");
   return out;
+}
+
+Drilled drilled(const Sets& sets, bool aware = true) {
+  return run_of(sets, aware, [&](const Simulation& simulation) { return found_in(simulation, sets, aware); });
 }
 
 constexpr const char* kDrilling = "vibration.drilling_force={}";
@@ -94,13 +102,9 @@ TEST_CASE("hand: a force that shakes it, and forces that carry a part of its thr
 /// @returns the number of detected breakthroughs in the first 18 s, in all of which a perforator is in bone.
 int in_bone(Sets sets, bool aware = true) {
   sets.emplace_back("duration_s=18");
-  LoadedScene loaded = load_parietal(sets);
-  UnawareHand unaware(scene_hand(loaded));
-  SimulationOptions options;
-  if (!aware) options.hand = &unaware;
-  DrillRun run(std::move(loaded), options);
-  run.run();
-  return static_cast<int>(std::ranges::count(run.simulation().events(), "breakthrough detected", &RunEvent::text));
+  return run_of(sets, aware, [](const Simulation& simulation) {
+    return static_cast<int>(std::ranges::count(simulation.events(), "breakthrough detected", &RunEvent::text));
+  });
 }
 
 TEST_CASE("hand: where [motion] hides from it that bone is left, a force that shakes it does not end the run, nor does bone that moves") {
