@@ -6,6 +6,6 @@
 namespace burrhole {
 
 /// Sessions name it: equal versions give equal hashes of the same inputs.
-inline constexpr std::int64_t kPhysicsVersion = 11;
+inline constexpr std::int64_t kPhysicsVersion = 12;
 
 }  // namespace burrhole

@@ -62,6 +62,7 @@ class PressedPlanes {
       const VectorN<n> to = newton_point();
       const Gaps then = gaps(to);
       const double part = line_search(to, then);
+      if (part == 0.0) break;  // the current point is the minimum, to rounding
       arrived = part == 1.0;
       for (std::size_t k = 0; k < n; ++k) at_[k] = arrived ? to[k] : at_[k] + part * (to[k] - at_[k]);
       for (std::size_t i = 0; i < count_; ++i) now_[i] = arrived ? then[i] : now_[i] + part * (then[i] - now_[i]);
@@ -70,6 +71,25 @@ class PressedPlanes {
 
   [[nodiscard]] double force(std::size_t i) const noexcept {
     return spring_[i] ? -now_[i] * stiffness_[i] : std::max(0.0, -now_[i] * stiffness_[i]);
+  }
+
+  /// @returns the plane without which the energy falls least, with all planes pressed by those forces [N]. Without plane i, of stiffness k
+  /// and row r, its gap grows by 1 / (1 - k r H^-1 r), H the second derivative, and the energy falls by f^2 / 2k times that.
+  [[nodiscard]] std::size_t least_needed(std::span<const HoldPlane> planes) const noexcept {
+    const MatrixN<n> matrix = factors();
+    std::size_t least = 0;
+    double falls = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (spring_[i]) continue;
+      const VectorN<n> gives = solve_factored(matrix, row_[i]);
+      double share = 0.0;
+      for (std::size_t k = 0; k < n; ++k) share += stiffness_[i] * row_[i][k] * gives[k];
+      const double by = planes[i].force * planes[i].force / (stiffness_[i] * (1.0 - share));
+      if (!(by < falls)) continue;
+      falls = by;
+      least = i;
+    }
+    return least;
   }
 
  private:
@@ -105,8 +125,8 @@ class PressedPlanes {
     }
   }
 
-  /// @returns the minimum while the pressed planes stay the same.
-  [[nodiscard]] VectorN<n> newton_point() const noexcept {
+  /// @returns the factors of the energy's second derivative.
+  [[nodiscard]] MatrixN<n> factors() const noexcept {
     MatrixN<n> matrix{};
     for (std::size_t k = 0; k < n; ++k) matrix[k][k] = weight_[k];
     for (std::size_t i = 0; i < count_; ++i) {
@@ -117,6 +137,12 @@ class PressedPlanes {
       }
     }
     factor_spd(matrix);
+    return matrix;
+  }
+
+  /// @returns the minimum while the pressed planes stay the same.
+  [[nodiscard]] VectorN<n> newton_point() const noexcept {
+    const MatrixN<n> matrix = factors();
     VectorN<n> push{};
     add_push(gap_, push);
     VectorN<n> z = solve_factored(matrix, push);
@@ -128,7 +154,8 @@ class PressedPlanes {
     return z;
   }
 
-  /// @returns the part of the way from the current point at which the energy is near its least; 1 where that is good enough.
+  /// @returns the part of the way from the current point at which the energy is near its least; 1 where that is good enough, 0 where the
+  /// way does not lead down.
   [[nodiscard]] double line_search(const VectorN<n>& to, const Gaps& then) const noexcept {
     double slope_here = 0.0, curvature = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
@@ -143,7 +170,9 @@ class PressedPlanes {
       }
       return out;
     };
-    const double enough = kFarEnough * std::abs(slope(0.0));
+    const double start = slope(0.0);
+    if (!(start < 0.0)) return 0.0;
+    const double enough = -kFarEnough * start;
     double low = 0.0, high = 1.0, part = 1.0;
     for (int step = 0; step < kMaxHalvings; ++step) {
       const double now = slope(part);
@@ -161,11 +190,27 @@ class PressedPlanes {
   std::array<bool, kMaxHoldPlanes> spring_, pressed_;
 };
 
+/// [J] Energy of springs and bone at the optimum of those planes.
+double energy_at(const HoldProblem& problem, std::span<const HoldPlane> planes, const HoldMove& move) noexcept {
+  const Vec3 off = move.translation - problem.target, turned = move.turn - problem.turn;
+  double twice = problem.stiffness * glm::dot(off, off) + problem.cutting_stiffness * glm::dot(move.engagement, move.engagement);
+  if (!std::isinf(problem.turn_stiffness)) twice += problem.turn_stiffness * glm::dot(turned, turned);
+  for (const HoldPlane& plane : planes) twice += plane.yield * plane.force * plane.force;
+  return 0.5 * twice;
+}
+
 template <std::size_t n>
 void find_forces(const HoldProblem& problem, std::span<HoldPlane> planes) noexcept {
   PressedPlanes<n> pressed(problem, planes);
   pressed.minimise();
   for (std::size_t i = 0; i < planes.size(); ++i) planes[i].force = pressed.force(i);
+}
+
+bool any_cuts(std::span<const HoldPlane> planes) noexcept { return std::ranges::any_of(planes, &HoldPlane::cutting); }
+
+/// @returns the plane that is needed least, of planes with the forces of an optimum.
+std::size_t least_needed(const HoldProblem& problem, std::span<const HoldPlane> planes) noexcept {
+  return any_cuts(planes) ? PressedPlanes<9>(problem, planes).least_needed(planes) : PressedPlanes<6>(problem, planes).least_needed(planes);
 }
 
 }  // namespace
@@ -216,7 +261,7 @@ void HoldSolver::add(const HoldPlane& plane) noexcept {
 
 void HoldSolver::settle(const HoldProblem& problem) noexcept {
   if (count_ == 0) return;
-  if (std::ranges::any_of(planes(), &HoldPlane::cutting))
+  if (any_cuts(planes()))
     find_forces<9>(problem, planes());
   else
     find_forces<6>(problem, planes());
@@ -240,6 +285,17 @@ HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidate
     if (!found || (count_ == kMaxHoldPlanes && gap_after(problem, *found, move) >= -deepest())) {
       converged_ = true;
       return move;
+    }
+    if (count_ == kMaxHoldPlanes) {
+      // It takes the room of the plane that is needed least. If the energy does not rise, that one was needed more: they would take turns.
+      const auto kept = planes_;
+      const double energy = energy_at(problem, planes(), move);
+      planes_[least_needed(problem, planes())] = *found;
+      settle(problem);
+      if (energy_at(problem, planes(), move_of(problem)) > energy) continue;
+      planes_ = kept;
+      count_ = kMaxHoldPlanes;
+      break;
     }
     const std::size_t before = count_;
     add(*found);

@@ -12,7 +12,8 @@
 ///   A plane with `both_ways` is a spring of stiffness 1 / yield along its normal: N . (t + w x a) + y = -gap with f of either sign.
 ///   Method: each round adds the most violated plane of a candidate source, and finds the optimum among the kept planes by Newton's method
 ///   with a line search, in the 6 or 9 unknowns of the move alone. That energy is convex and piecewise quadratic, so the result is exact to
-///   rounding after finitely many steps. It rises from round to round, so no set of planes comes back. The cost of a round is linear in the
+///   rounding after finitely many steps. Where no more planes fit, the new one takes the room of the plane without which the energy falls
+///   least. A round that does not raise the energy ends the solution, so no set of planes comes back. The cost of a round is linear in the
 ///   number of planes.
 #pragma once
 

@@ -370,3 +370,37 @@ TEST_CASE("hold solver: of a level face of 300 points as many carry load as fit,
   (void)solved(solver, problem, planes);
   CHECK(solver.rounds() == 0);  // and no plane is searched again
 }
+
+TEST_CASE("hold solver: two places of a wall do not take turns for the last room beside a loaded floor") {
+  // The floor takes all room, with 0.3 N and more a place. Then two light walls are to hold the tool aside, with 0.16 N each: with one of
+  // them alone it slides along that one by 1e-5 m, far more than the floor gives way.
+  for (std::uint64_t n = 0; n < 40; ++n) {
+    CAPTURE(n);
+    std::vector<HoldPlane> planes;
+    for (std::uint32_t k = 0; k < 300; ++k) {
+      const double radius = 5e-3 * std::sqrt((k + 0.5) / 300.0), angle = 2.399963 * k;
+      planes.push_back({.arm = radius * Vec3(std::cos(angle), std::sin(angle), 0.0), .yield = 1.4e-7, .point = k});
+    }
+    for (const double side : {-1.0, 1.0}) {
+      const double angle = side * (0.3 + 0.1 * uniform11(n, static_cast<std::uint64_t>(side + 1.0)));
+      const Vec3 out(std::cos(angle), std::sin(angle), 0.0);
+      planes.push_back({.normal = -out, .arm = 5e-3 * out, .yield = 1.4e-7, .point = static_cast<std::uint32_t>(planes.size())});
+    }
+    HoldProblem problem = pushed_down();
+    problem.target = Vec3(0.0, 0.0, -5.6e-3);  // 28 N
+    problem.tolerance = 1e-9;
+    HoldSolver solver;
+    (void)solved(solver, problem, planes);
+    REQUIRE(solver.planes().size() == kMaxHoldPlanes);
+    problem.target.x = 6e-5;  // 0.3 N aside
+    const HoldMove move = solved(solver, problem, planes);
+    CHECK(solver.converged());
+    CHECK(solver.rounds() == 2);
+    // The walls give way by their yields alone: 1.4e-7 m/N under 0.3 N over the cosine of 0.4 squared, and what their tilt adds to it.
+    CHECK(glm::length(Vec3(move.translation.x, move.translation.y, 0.0)) < 1e-7);
+    const auto wall = [&](std::uint32_t k) { return force_of(solver, k) * planes[k].normal; };
+    const Vec3 held = wall(300) + wall(301);
+    CHECK(std::abs(held.x + problem.stiffness * problem.target.x) < problem.stiffness * 1e-7);
+    CHECK(std::abs(held.y) < problem.stiffness * 1e-7);
+  }
+}
