@@ -96,8 +96,12 @@ void LocalTool::renew(const ContactState& state, double max_distance) noexcept {
     plane.force = force;
     return true;
   });
-  for (const HoldPlane& plane : local.list())
-    if (plane.both_ways) solver_.add(plane);
+  // What carries load for contact is likely to carry it here: found one by one, each of those would take a round.
+  for (const HoldPlane& plane : local.list()) {
+    const bool fits = solver_.planes().size() < kMaxHoldPlanes;
+    const bool kept = std::ranges::find(solver_.planes(), plane.point, &HoldPlane::point) != solver_.planes().end();
+    if (plane.both_ways || (plane.force > 0.0 && fits && !kept)) solver_.add(plane);
+  }
 }
 
 Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt,
