@@ -5,6 +5,7 @@
 
 #include "core/base/assert.h"
 #include "core/base/portable_math.h"
+#include "core/base/rounded.h"
 
 namespace burrhole {
 namespace {
@@ -64,7 +65,8 @@ void BloodSite::update(const VoxelBox& changed, std::span<const float> density, 
 
 void BloodSite::set_removed(std::size_t at, float density) noexcept {
   const float gone = std::clamp(bone_.whole[at] - density, 0.0f, 1.0f);
-  const auto now = static_cast<std::uint16_t>(std::lround(gone * static_cast<float>(kWhole)));
+  const auto now = static_cast<std::uint16_t>(rounded(gone * static_cast<float>(kWhole)));
+  if (now == removed_[at]) return;
   Layer& layer = layers_[layer_[at]];
   layer.removed += static_cast<std::int64_t>(now) - removed_[at];
   // A voxel is part of the hole where the larger half of its bone is gone.
@@ -110,10 +112,9 @@ double BloodSite::cut_area(const VoxelBox& of, std::span<const float> density, c
 }
 
 bool BloodSite::was_cut(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept {
-  const auto gone = [&](const Vec3i& v) {
-    return bone_.box.contains(v) && bone_.start[bone_.box.offset_of(v)] - density[of.offset_of(v)] > kCut;
-  };
-  return gone(voxel) || std::ranges::any_of(kNeighbours, [&](const Vec3i& step) { return gone(voxel + step); });
+  const auto gone = [&](const Vec3i& v) { return bone_.start[bone_.box.offset_of(v)] - density[of.offset_of(v)] > kCut; };
+  if (gone(voxel)) return true;
+  return std::ranges::any_of(kNeighbours, [&](const Vec3i& step) { return bone_.box.contains(voxel + step) && gone(voxel + step); });
 }
 
 void BloodSite::decay(double factor) noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/base/rounded.h"
 #include "core/base/trilinear.h"
 
 namespace burrhole {
@@ -53,7 +54,7 @@ double DebrisSite::loss_of(const VoxelBox& part, std::span<const float> density)
   double sum = 0.0;
   std::size_t n = 0;
   for_each_voxel(part, [&](const Vec3i& v) {
-    const int before = solid_[voxels_.offset_of(v)], now = static_cast<int>(std::lround(kWhole * density[n++]));
+    const int before = solid_[voxels_.offset_of(v)], now = rounded(kWhole * density[n++]);
     if (before != kSoft && now < before) sum += static_cast<double>(before - now);
   });
   return sum;
@@ -63,7 +64,7 @@ void DebrisSite::set_bone(const VoxelBox& part, std::span<const float> density, 
   std::size_t n = 0;
   for_each_voxel(part, [&](const Vec3i& v) {
     std::uint8_t& value = solid_[voxels_.offset_of(v)];
-    const auto now = static_cast<std::uint8_t>(std::lround(kWhole * density[n++]));
+    const auto now = static_cast<std::uint8_t>(rounded(kWhole * density[n++]));
     if (value == kSoft) return;
     if (sampler != nullptr && now < value) sampler->add(v, value - now, now);
     value = now;
