@@ -15,6 +15,7 @@
 #include "core/config/rules.h"
 #include "core/heat/bone_cells.h"
 #include "core/heat/heat_field.h"
+#include "core/heat/heat_figures.h"
 
 namespace burrhole {
 namespace {
@@ -30,9 +31,10 @@ struct HeatScene {
   std::string place{};
 };
 
-constexpr double kSevereDose = 64.0;  // [min] 50 C for 30 s
-constexpr double kBrainDose = 1.3;    // [min] opens the blood-brain barrier of rats
-constexpr double kMostSteps = 100.0;  // [-] of conduction in a step of bone: seconds for each second of a run
+constexpr double kSevereDose = 64.0;     // [min] 50 C for 30 s
+constexpr double kHottestVolume = 1e-9;  // [m^3] about what the bead of a thermocouple of 1 mm measures (an assumption)
+constexpr double kBrainDose = 1.3;       // [min] opens the blood-brain barrier of rats
+constexpr double kMostSteps = 100.0;     // [-] of conduction in a step of bone: seconds for each second of a run
 
 class HeatEffect final : public Effect {
  public:
@@ -70,9 +72,10 @@ class HeatEffect final : public Effect {
     const HeatBalance& b = field_.balance();
     const double in_bone = field_.in_bone();
     out.add("hottest_C", scene_.field.body + highest_);
+    out.add("hottest_mm3_C", scene_.field.body + hottest_mean(field_, kHottestVolume));
     out.add("bone_at_most_C", scene_.field.body + field_.highest_peak());
-    out.add("dead_bone_mm3", field_.volume_with_dose(scene_.damage_dose) * 1e9);
-    out.add("dead_bone_64_mm3", field_.volume_with_dose(kSevereDose) * 1e9);
+    out.add("dead_bone_mm3", volume_with_dose(field_, scene_.damage_dose) * 1e9);
+    out.add("dead_bone_64_mm3", volume_with_dose(field_, kSevereDose) * 1e9);
     out.add("dose_inner_face_min", inner_face_dose());
     out.add("work_J", work_);
     out.add("released_J", b.input);
@@ -87,7 +90,7 @@ class HeatEffect final : public Effect {
   }
   PictureSource* picture_source() noexcept override { return picture_ ? &*picture_ : nullptr; }
   void warn(std::vector<std::string>& out) const override {
-    const double dead = field_.volume_with_dose(scene_.damage_dose) * 1e9;
+    const double dead = volume_with_dose(field_, scene_.damage_dose) * 1e9;
     if (dead > 0.0)
       out.push_back(
           fmt::format("[heat] {:.3g} mm3 of the bone that is left had a dose of {:g} min at 43 C and more, up to {:.0f} C: it dies", dead,
@@ -111,7 +114,7 @@ class HeatEffect final : public Effect {
         .title = "Highest temperature of the bone that is left",
         .caption = fmt::format("Section through the drilled line. {:.3g} mm³ of the bone that is left had at least {:g} equivalent "
                                "minutes at 43 °C, which kill it. {:.3g} J were released in bone, of {:.3g} J of cutting work.",
-                               field_.volume_with_dose(scene_.damage_dose) * 1e9, scene_.damage_dose, field_.balance().input, work_),
+                               volume_with_dose(field_, scene_.damage_dose) * 1e9, scene_.damage_dose, field_.balance().input, work_),
         .x_label = "Distance from the axis (mm)",
         .y_label = "Depth (mm)",
         .unit = "Temperature (°C)",
@@ -141,9 +144,14 @@ class HeatEffect final : public Effect {
         std::max({b.input, std::abs(in_bone), std::abs(b.chips), std::abs(b.cooled), std::abs(b.edge), std::abs(b.unplaced)});
     return largest > 0.0 ? rest / largest : 0.0;
   }
-  /// @returns the largest dose [min] of the cells that hold the inner face: those with bone, next to the depth of the inner surface at
+  /// @returns the largest dose [min] of the inner face, below the cells with bone, next to the depth of the inner surface at
   /// the drilled line, up to kMapSide from it. The tissue below has at most that dose, since heat reaches it through the face.
   double inner_face_dose() const noexcept {
+    const Vec3 up = index_from_approach_.linear[2];
+    const int axis =
+        std::abs(up.x) > std::abs(up.y) ? (std::abs(up.x) > std::abs(up.z) ? 0 : 2) : (std::abs(up.y) > std::abs(up.z) ? 1 : 2);
+    Vec3i inwards(0);
+    inwards[axis] = up[axis] > 0.0 ? 1 : -1;
     const double pitch = std::min({field_.edges().x, field_.edges().y, field_.edges().z});
     double most = 0.0;
     for (double x = -kMapSide; x <= kMapSide; x += pitch)
@@ -151,7 +159,7 @@ class HeatEffect final : public Effect {
         for (double z = -depth_ - kMapBelow; z <= -depth_ + 2.0 * pitch; z += 0.5 * pitch) {  // from below: the first bone is the face
           const Vec3i cell = cells_.cell_of(voxel_of(index_from_approach_ * Vec3(x, y, z)));
           if (field_.share(cell) < HeatField::kLeastShare) continue;
-          most = std::max(most, static_cast<double>(field_.dose(cell)));
+          most = std::max(most, dose_at_face(field_, cell, inwards));
           break;
         }
     return most;
@@ -320,7 +328,7 @@ EffectEntry heat_effect() {
           "heat of cutting, its spread and the bone that dies of it; without it there is none",
           read,
           {"[heat.picture]", "picture.quantity = \"peak\"", "picture.quantity = \"dose\""},
-          {.figures = {{"in_bone_J"}, {"dead_bone_mm3", 1.0}, {"bone_at_most_C", 1.0, HeatConfig{}.body}},
+          {.figures = {{"in_bone_J"}, {"dead_bone_mm3", 1.0}, {"hottest_mm3_C", 1.0, HeatConfig{}.body}},
            .knobs = {{"cell_voxels", {4, 2, 1}, 0.5}, {"fourier", {4, 2, 1, 0.5}, 0.125}, {"reach_mm", {0.25, 0.5, 1}, 2}}}};
 }
 

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/heat/thermal_dose.h"
 
 namespace burrhole {
 namespace {
 
+constexpr float kWhole = 0.999f;  // [-] part of a cell that bone fills if none was cut away, less rounding
 constexpr std::array<Vec3i, 3> kAxes{Vec3i(1, 0, 0), Vec3i(0, 1, 0), Vec3i(0, 0, 1)};
 
-/// @returns the conductance between two cells over that of full bone.
-float joint(float a, float b) noexcept {
-  return a >= HeatField::kLeastShare && b >= HeatField::kLeastShare ? 2.0f * a * b / (a + b) : 0.0f;
+/// @returns the conductance between two cells over that of full bone. @param share of a cell. @param inverse one over its largest share.
+float joint(float share_a, float inverse_a, float share_b, float inverse_b) noexcept {
+  const float a = share_a * inverse_a, b = share_b * inverse_b, fuller = std::max(a, b);
+  return share_a >= HeatField::kLeastShare && share_b >= HeatField::kLeastShare ? 2.0f * fuller * fuller / (a * inverse_a + b * inverse_b)
+                                                                                : 0.0f;
 }
 
 }  // namespace
@@ -26,7 +30,9 @@ HeatField::HeatField(const HeatConfig& config, const Vec3& edges, const VoxelBox
       rise_(domain.count()),
       share_(domain.count()),
       peak_(domain.count()),
-      dose_(domain.count()) {}
+      dose_(domain.count()),
+      inverse_whole_(domain.count()),
+      slot_(domain.count()) {}
 
 Result<HeatField> HeatField::create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
@@ -44,6 +50,7 @@ void HeatField::set_bone(const VoxelBox& box, std::span<const float> share) {
     const float before = share_[here], after = std::clamp(share[box.offset_of(cell)], 0.0f, 1.0f);
     if (before == after) return;
     share_[here] = after;
+    if (after > 0.0f && !(after * inverse_whole_[here] < 1.0f && inverse_whole_[here] > 0.0f)) inverse_whole_[here] = 1.0f / after;
     const double heat = before >= kLeastShare ? unit_ * static_cast<double>(before) * static_cast<double>(rise_[here]) : 0.0;
     if (after < before) losses_.push_back({cell, before - after});
     if (after < kLeastShare) {
@@ -79,23 +86,65 @@ void HeatField::release(double joule) {
     return;
   }
   for (const Loss& loss : losses_) {
-    const double part = joule * static_cast<double>(loss.share) / lost;
-    if (share(loss.cell) >= kLeastShare) {
-      add(domain_.offset_of(loss.cell), loss.cell, part);
-      continue;
+    std::uint32_t& slot = slot_[domain_.offset_of(loss.cell)];
+    if (slot == 0) {
+      heatings_.push_back({loss.cell, 0.0, 0.0});
+      slot = static_cast<std::uint32_t>(heatings_.size());
     }
-    const VoxelBox around = VoxelBox{loss.cell, loss.cell + 1}.grown(1).intersect(domain_);
-    double bone = 0.0;
-    for_each_voxel(around, [&](const Vec3i& cell) { bone += share(cell) >= kLeastShare ? static_cast<double>(share(cell)) : 0.0; });
-    if (!(bone > 0.0)) {
-      balance_.unplaced += part;
-      continue;
-    }
-    for_each_voxel(around, [&](const Vec3i& cell) {
-      if (share(cell) >= kLeastShare) add(domain_.offset_of(cell), cell, part * static_cast<double>(share(cell)) / bone);
-    });
+    heatings_[slot - 1].share += static_cast<double>(loss.share);
+    heatings_[slot - 1].joule += joule * static_cast<double>(loss.share) / lost;
   }
   losses_.clear();
+}
+
+double HeatField::half_resistance(const Vec3i& cell) const noexcept {
+  const std::size_t here = domain_.offset_of(cell);
+  const double volume = edges_.x * edges_.y * edges_.z;
+  std::array<double, 3> area{}, face{};  // across the axis on which they differ most, the cells beside differ over one cell, else over two
+  for (std::size_t n = 0; n < 3; ++n) {
+    face[n] = volume / edges_[n];
+    area[n] = std::abs(filled_beside(cell, cell + kAxes[n]) - filled_beside(cell, cell - kAxes[n])) * face[n];
+  }
+  const auto across = static_cast<std::size_t>(std::ranges::max_element(area) - area.begin());
+  double square = std::pow(std::max(area[across], face[across]), 2.0);
+  for (std::size_t n = 0; n < 3; ++n)
+    if (n != across) square += std::pow(0.5 * area[n], 2.0);
+  return volume * static_cast<double>(inverse_whole_[here]) / (2.0 * config_.conductivity * square);
+}
+
+void HeatField::place_beside(const Vec3i& cell, double joule) {
+  const VoxelBox around = VoxelBox{cell, cell + 1}.grown(1).intersect(domain_);
+  double bone = 0.0;
+  for_each_voxel(around, [&](const Vec3i& at) { bone += share(at) >= kLeastShare ? static_cast<double>(share(at)) : 0.0; });
+  if (!(bone > 0.0)) {
+    balance_.unplaced += joule;
+    return;
+  }
+  for_each_voxel(around, [&](const Vec3i& at) {
+    if (share(at) >= kLeastShare) add(domain_.offset_of(at), at, joule * static_cast<double>(share(at)) / bone);
+  });
+}
+
+void HeatField::settle(double part) {
+  for (Heating& heating : heatings_) {
+    const std::size_t here = domain_.offset_of(heating.cell);
+    // Bone left at the mean temperature of its cell: what it carried away above that is taken from the heat of cutting.
+    const double fill = (static_cast<double>(share_[here]) + 0.5 * heating.share) * static_cast<double>(inverse_whole_[here]);
+    const double warmer = fill * half_resistance(heating.cell) * heating.joule / heating_;
+    const double taken = std::min(unit_ * heating.share * warmer, heating.joule), joule = part * (heating.joule - taken);
+    balance_.chips += taken;
+    if (heating.share > 0.0) removals_.push_back({heating.cell, static_cast<float>(heating.share), rise_[here]});
+    if (share_[here] >= kLeastShare)
+      add(here, heating.cell, joule);
+    else
+      place_beside(heating.cell, joule);
+    heating.share = 0.0;
+    heating.joule -= taken + joule;
+    if (part == 1.0) slot_[here] = 0;
+  }
+  if (part < 1.0) return;
+  heatings_.clear();
+  heating_ = 0.0;
 }
 
 double HeatField::free_area(const Vec3i& cell) const noexcept {
@@ -144,14 +193,22 @@ void HeatField::cool(const Cooling& cooling, double dt) {
 
 void HeatField::advance(double dt, const Cooling* cooling) {
   waiting_ += dt;
-  while (waiting_ >= longest_) {
-    step(longest_);
+  heating_ += dt;
+  for (double steps = std::floor(waiting_ / longest_); steps > 0.0; steps -= 1.0) {
+    settle(1.0 / steps);
+    conduct(longest_);
     if (cooling != nullptr) cool(*cooling, longest_);
     waiting_ -= longest_;
   }
 }
 
 void HeatField::step(double dt) {
+  heating_ += dt;
+  settle(1.0);
+  conduct(dt);
+}
+
+void HeatField::conduct(double dt) {
   ++steps_;
   if (warm_.empty()) return;
   const Vec3 lambda = Vec3(config_.diffusivity() * dt) / (edges_ * edges_);
@@ -163,6 +220,7 @@ void HeatField::step(double dt) {
     const int axis = steps_ % 2 == 0 ? turn : 2 - turn;
     sweep(axis, box, lambda[axis]);
   }
+  catch_up();
   finish(box, dt);
 }
 
@@ -171,16 +229,28 @@ double HeatField::implicit_share(double lambda) noexcept {
   return lambda <= kLargest ? std::max(0.0, 0.5 - 1.0 / (12.0 * lambda)) : 1.0;
 }
 
+// Bone left during a step at the temperature of its cell before it: at the mean of that and of the one after it, it takes the rest now.
+void HeatField::catch_up() {
+  for (const Removal& removal : removals_) {
+    const std::size_t here = domain_.offset_of(removal.cell);
+    if (share_[here] < kLeastShare) continue;
+    const float share = std::min(removal.share, share_[here]), rest = 0.5f * (rise_[here] - removal.rise) * share;
+    rise_[here] -= rest / share_[here];
+    balance_.chips += unit_ * static_cast<double>(rest);
+  }
+  removals_.clear();
+}
+
 double HeatField::edge_flow(std::size_t row, std::size_t lines, std::size_t beside) const noexcept {
   double flow = 0.0;
   for (std::size_t line = 0; line < lines; ++line) {
     const std::size_t at = row + line * beside;
-    flow += static_cast<double>(joint(share_[at], share_[at]) * rise_[at]);
+    flow += static_cast<double>(joint(share_[at], inverse_whole_[at], share_[at], inverse_whole_[at]) * rise_[at]);
   }
   return flow;
 }
 
-// Solves (f + i G) x = (f - e G) rise along all lines of an axis at once, with G x = g- (x - x(-1)) + g+ (x - x(+1)): forward elimination,
+// Solves (f + I) x = (f - E) rise along all lines of an axis at once, with I x = i- (x - x(-1)) + i+ (x - x(+1)), E likewise: forward elimination,
 // row by row of lines, then back substitution (Thomas). rest_ is 1 - slope of the row before, without the cancellation of that difference.
 void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
   const Vec3i size = box.size(), full = domain_.size();
@@ -191,10 +261,10 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
   const std::size_t next = stride[static_cast<std::size_t>(axis)], beside = stride[static_cast<std::size_t>(inner)];
   const bool opens_low = box.lo[axis] == domain_.lo[axis], opens_high = box.hi[axis] == domain_.hi[axis];
   const double share_implicit = implicit_share(lambda);
-  const auto implicit = static_cast<float>(share_implicit * lambda), explicit_part = static_cast<float>((1.0 - share_implicit) * lambda);
+  const auto all = static_cast<float>(lambda), explicit_part = static_cast<float>((1.0 - share_implicit) * lambda);
   slope_.resize(length * lines);
   partial_.resize(length * lines);
-  rest_.resize(lines);
+  for (std::vector<float>* scratch : {&rest_, &implicit_, &explicit_}) scratch->resize(lines);
   for (int plane = 0; plane < size[outer]; ++plane) {
     const std::size_t origin = domain_.offset_of(box.lo) + static_cast<std::size_t>(plane) * stride[static_cast<std::size_t>(outer)];
     const std::size_t last = origin + (length - 1) * next;
@@ -207,17 +277,29 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
       const std::size_t row = origin + n * next;
       for (std::size_t line = 0; line < lines; ++line) {
         const std::size_t at = row + line * beside;
-        const float here = share_[at], old = rise_[at];
-        const float low = n > 0 ? joint(here, share_[at - next]) : opens_low ? joint(here, here) : 0.0f;
-        const float high = n + 1 < length ? joint(here, share_[at + next]) : opens_high ? joint(here, here) : 0.0f;
-        const float old_low = n > 0 ? rise_[at - next] : 0.0f, old_high = n + 1 < length ? rise_[at + next] : 0.0f;
-        const float right = here * old - explicit_part * (low * (old - old_low) + high * (old - old_high));
+        const float here = share_[at], old = rise_[at], inverse = inverse_whole_[at];
+        const float own = n == 0 && opens_low ? joint(here, inverse, here, inverse) : 0.0f;
+        const float implicit_low = n > 0 ? implicit_[line] : (all - explicit_part) * own;
+        const float explicit_low = n > 0 ? explicit_[line] : explicit_part * own;
+        const bool inside = n + 1 < length;
+        const float next_share = inside       ? share_[at + next]
+                                 : opens_high ? here
+                                              : 0.0f,
+                    next_inverse = inside ? inverse_whole_[at + next] : inverse;
+        const float high = joint(here, inverse, next_share, next_inverse);
+        // Backward Euler at cut bone: an explicit part would lead away heat of cutting before it has warmed its cell.
+        const bool whole = here * inverse > kWhole && next_share * next_inverse > kWhole;
+        const float explicit_high = whole ? explicit_part * high : 0.0f, implicit_high = all * high - explicit_high;
+        const float old_low = n > 0 ? rise_[at - next] : 0.0f, old_high = inside ? rise_[at + next] : 0.0f;
+        const float right = here * old - (explicit_low * (old - old_low) + explicit_high * (old - old_high));
         const float partial_low = n > 0 ? partial_[(n - 1) * lines + line] : 0.0f;
-        const float held = here >= kLeastShare ? here + implicit * low * (n > 0 ? rest_[line] : 1.0f) : 1.0f;
-        const float pivot = held + implicit * high;
-        slope_[n * lines + line] = n + 1 < length ? implicit * high / pivot : 0.0f;
+        const float held = here >= kLeastShare ? here + implicit_low * (n > 0 ? rest_[line] : 1.0f) : 1.0f;
+        const float pivot = held + implicit_high;
+        slope_[n * lines + line] = inside ? implicit_high / pivot : 0.0f;
         rest_[line] = held / pivot;
-        partial_[n * lines + line] = here >= kLeastShare ? (right + implicit * low * partial_low) / pivot : 0.0f;
+        partial_[n * lines + line] = here >= kLeastShare ? (right + implicit_low * partial_low) / pivot : 0.0f;
+        implicit_[line] = implicit_high;
+        explicit_[line] = explicit_high;
       }
     }
     for (std::size_t n = length; n-- > 0;) {
@@ -228,7 +310,7 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
         rise_[at] = partial_[n * lines + line] + slope_[n * lines + line] * beyond;
       }
     }
-    edge(static_cast<double>(implicit));
+    edge(static_cast<double>(all - explicit_part));
   }
 }
 
@@ -252,14 +334,9 @@ void HeatField::finish(const VoxelBox& box, double dt) {
 double HeatField::in_bone() const noexcept {
   double sum = 0.0;
   for (std::size_t n = 0; n < rise_.size(); ++n) sum += static_cast<double>(share_[n]) * static_cast<double>(rise_[n]);
-  return sum * unit_;
-}
-
-double HeatField::volume_with_dose(double minutes) const noexcept {
-  double sum = 0.0;
-  for (std::size_t n = 0; n < dose_.size(); ++n)
-    if (static_cast<double>(dose_[n]) >= minutes) sum += static_cast<double>(share_[n]);
-  return sum * edges_.x * edges_.y * edges_.z;
+  double waits = 0.0;
+  for (const Heating& heating : heatings_) waits += heating.joule;
+  return sum * unit_ + waits;
 }
 
 double HeatField::highest_peak() const noexcept { return peak_.empty() ? 0.0 : static_cast<double>(*std::ranges::max_element(peak_)); }

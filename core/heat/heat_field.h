@@ -1,11 +1,15 @@
 /// core/heat/heat_field.h: temperature of bone in a grid of cells: conduction, sources, chips, cooling, thermal dose.
-///   A cell has a share f of bone, 0..1. Its heat capacity is c V f, its conductivity k f; between two cells the harmonic mean holds:
-///   conductance k (A / d) 2 f1 f2 / (f1 + f2). A cell with f < kLeastShare holds no heat. A free surface is insulated unless it is cooled.
-///   Beyond the domain, bone is at body temperature.
+///   A cell has a share f of bone, 0..1, of which it had w at most: the material has the capacity rho c w and the conductivity k w, and fills
+///   the part g = f / w of the cell, the rest was cut away. Between two cells heat passes through the face of the fuller one, m = max(g1, g2),
+///   over the part g / m of half a cell on either side: conductance k (A / d) 2 m^2 / (g1 / w1 + g2 / w2). In bone that is not cut this is the
+///   harmonic mean of w1 and w2. A cell with f < kLeastShare holds no heat. A free surface is insulated unless it is cooled. Beyond the domain,
+///   bone is at body temperature.
+///   Cutting  its heat enters evenly over the steps of conduction. The temperature of a cell is the mean of its bone. Bone leaves at that of the
+///           cut surface: with the power P through a cut of the area S, warmer by P g V / (2 k w S^2), half the rise across the bone of the cell.
 ///   Integration  along one axis after the other (locally one-dimensional), the order reversed from step to step. Along an axis of the
 ///           number lambda = k dt / (rho c h^2), a share s of the step is implicit: s = 1/2 - 1 / (12 lambda), at least 0, for lambda up to
-///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. Each sweep keeps
-///           the energy, and makes no new extremum, at any length of the step.
+///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. s = 1 at cut bone
+///           too. Each sweep keeps the energy, and makes no new extremum, at any length of the step.
 ///   Frame   cells, i fastest.   Units  SI; temperatures as the rise above the body's [K]; dose [min] of thermal_dose.h.
 ///   Errors  out_of_range from create().   Thread  one.
 ///   Source  own derivation from the heat equation; values of bone: [facts] heat.
@@ -61,13 +65,13 @@ class HeatField {
   /// @param edges [m] of a cell. @param domain in cells; without bone at first, all at body temperature.
   [[nodiscard]] static Result<HeatField> create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain);
   /// @returns the memory [bytes] of a domain of that many cells.
-  [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells) noexcept { return cells * 4 * sizeof(float); }
+  [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells) noexcept { return cells * (5 * sizeof(float) + sizeof(std::uint32_t)); }
 
   /// Sets the share of bone in a box of cells, i fastest; parts outside the domain are ignored. Bone that vanishes takes its heat with it
   /// (chips), and the loss is remembered for release(). Bone that appears is at body temperature.
   void set_bone(const VoxelBox& box, std::span<const float> share);
   /// Releases heat [J] at the bone that was removed since the last call: each cell's part in proportion to its loss, to the cell, or, if
-  /// it is empty, to its 26 neighbours, in proportion to the bone that is left in them.
+  /// it is empty, to its 26 neighbours, in proportion to the bone that is left in them. The heat enters with the steps of the next advance().
   void release(double joule);
   /// Forgets losses that are no cutting, as after an undo.
   void forget_losses() noexcept { losses_.clear(); }
@@ -88,13 +92,19 @@ class HeatField {
   [[nodiscard]] const Vec3& edges() const noexcept { return edges_; }
   [[nodiscard]] float rise(const Vec3i& cell) const noexcept { return at(rise_, cell); }    ///< [K]; 0 outside
   [[nodiscard]] float share(const Vec3i& cell) const noexcept { return at(share_, cell); }  ///< [-]; 0 outside
-  [[nodiscard]] float peak(const Vec3i& cell) const noexcept { return at(peak_, cell); }    ///< [K] largest rise so far
-  [[nodiscard]] float dose(const Vec3i& cell) const noexcept { return at(dose_, cell); }    ///< [min]
-  [[nodiscard]] double hottest() const noexcept { return hottest_; }                        ///< [K] largest rise after the last step
+  /// @returns the part of a cell that bone fills: 1 unless some was cut away [-]; 0 outside.
+  [[nodiscard]] double filled(const Vec3i& cell) const noexcept { return domain_.contains(cell) ? filled(domain_.offset_of(cell)) : 0.0; }
+  /// @returns the same of a cell beside one, or that of the one if the other never held bone: nothing was cut there.
+  [[nodiscard]] double filled_beside(const Vec3i& cell, const Vec3i& other) const noexcept {
+    return domain_.contains(other) && inverse_whole_[domain_.offset_of(other)] > 0.0f ? filled(other) : filled(cell);
+  }
+  [[nodiscard]] float peak(const Vec3i& cell) const noexcept { return at(peak_, cell); }  ///< [K] largest rise so far
+  [[nodiscard]] float dose(const Vec3i& cell) const noexcept { return at(dose_, cell); }  ///< [min]
+  [[nodiscard]] double hottest() const noexcept { return hottest_; }                      ///< [K] largest rise after the last step
   [[nodiscard]] const HeatBalance& balance() const noexcept { return balance_; }
-  [[nodiscard]] double in_bone() const noexcept;                         ///< [J] above body temperature; visits all cells
-  [[nodiscard]] double volume_with_dose(double minutes) const noexcept;  ///< [m^3] of bone with at least that dose; visits all cells
-  [[nodiscard]] double highest_peak() const noexcept;                    ///< [K] of the bone that is left; visits all cells
+  [[nodiscard]] double in_bone()
+      const noexcept;  ///< [J] above body temperature, and what was released and waits for a step; visits all cells
+  [[nodiscard]] double highest_peak() const noexcept;  ///< [K] of the bone that is left; visits all cells
   [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }
   [[nodiscard]] std::uint64_t conducted_cells() const noexcept { return conducted_; }  ///< sum over the steps
 
@@ -104,6 +114,16 @@ class HeatField {
     return domain_.contains(cell) ? field[domain_.offset_of(cell)] : 0.0f;
   }
   void add(std::size_t at, const Vec3i& cell, double joule);
+  /// Puts a part of the heat that waits into bone, and takes from each cell what its bone carried away above its mean temperature.
+  void settle(double part);
+  void place_beside(const Vec3i& cell, double joule);
+  void conduct(double dt);
+  void catch_up();
+  [[nodiscard]] double filled(std::size_t at) const noexcept {
+    return static_cast<double>(share_[at]) * static_cast<double>(inverse_whole_[at]);
+  }
+  /// @returns how much warmer the cut surface of a full cell is than the mean of its bone [K/W].
+  [[nodiscard]] double half_resistance(const Vec3i& cell) const noexcept;
   void sweep(int axis, const VoxelBox& box, double lambda);
   /// @returns the implicit share of a step along an axis [-].
   [[nodiscard]] static double implicit_share(double lambda) noexcept;
@@ -116,16 +136,31 @@ class HeatField {
     Vec3i cell;
     float share;  // [-] of bone that was removed
   };
+  struct Heating {
+    Vec3i cell;
+    double share;  // [-] of bone that was removed, its heat above the mean not taken yet
+    double joule;  // [J] that waits for a step
+  };
+  struct Removal {
+    Vec3i cell;
+    float share;  // [-] of bone that was removed before a step
+    float rise;   // [K] at which it left
+  };
   HeatConfig config_;
   Vec3 edges_;
   VoxelBox domain_, warm_;
   double unit_;           // [J/K] capacity of a cell full of bone
   double longest_;        // [s]
   double waiting_ = 0.0;  // [s] not conducted yet
+  double heating_ = 0.0;  // [s] in which what waits was released
   double hottest_ = 0.0;
   std::vector<float> rise_, share_, peak_, dose_;
-  std::vector<float> slope_, partial_, rest_;  // scratch of a sweep
-  std::vector<Loss> losses_;
+  std::vector<float> inverse_whole_;                                 // [-] one over the largest share so far
+  std::vector<std::uint32_t> slot_;                                  // one more than the place in heatings_; 0: none
+  std::vector<float> slope_, partial_, rest_, implicit_, explicit_;  // scratch of a sweep
+  std::vector<Loss> losses_;                                         // since release()
+  std::vector<Heating> heatings_;                                    // since a step
+  std::vector<Removal> removals_;                                    // of the step
   HeatBalance balance_;
   std::uint64_t steps_ = 0, conducted_ = 0;
 };

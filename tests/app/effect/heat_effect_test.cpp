@@ -10,14 +10,13 @@
 #include "app/view/added_mesh.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion.h"
+#include "tests/support/ablation_twin.h"
 #include "tests/support/drill_scene.h"
 
 namespace burrhole::test {
 namespace {
 
 constexpr double kFeed = 0.15e-3;  // [m/s] about that of a burrhole of 7 mm in 45 s
-constexpr double kDepth = 3e-3;    // [m] of a post of 4 mm
-constexpr double kDiffusivity = 0.5 / (1810.0 * 1250.0), kHeat = 1810.0 * 1250.0;
 
 /// A post that is drilled at a fixed feed by a flat bit wider than it: heat flows along the axis alone.
 LoadedScene post(const std::string& heat, const std::vector<std::string>& sets = {}) {
@@ -31,32 +30,14 @@ LoadedScene post(const std::string& heat, const std::vector<std::string>& sets =
   return load_text(text + heat, all);
 }
 
-struct Twin {
-  double in_bone = 0.0, chips = 0.0;  // [J/m^2]
-};
-
-/// A column of thin slices. The first receives `flow` [W/m^2]; each time that the bit has advanced by a slice, it leaves with its heat.
-/// Explicit steps.
-Twin column(double flow, double seconds) {
-  const double slice = 0.02e-3, dt = 0.2 * slice * slice / kDiffusivity;
-  std::vector<double> rise(static_cast<std::size_t>(std::lround(4e-3 / slice)), 0.0);
-  std::size_t first = 0;
-  Twin out;
-  for (double t = 0.0; t < seconds; t += dt) {
-    rise[first] += flow * dt / (kHeat * slice);
-    std::vector<double> next = rise;
-    for (std::size_t n = first; n + 1 < rise.size(); ++n) {
-      const double moved = kDiffusivity * dt / (slice * slice) * (rise[n] - rise[n + 1]);
-      next[n] -= moved;
-      next[n + 1] += moved;
-    }
-    rise = next;
-    if ((t + dt) * kFeed < slice * static_cast<double>(first + 1)) continue;
-    out.chips += slice * kHeat * rise[first];
-    ++first;
-  }
-  for (std::size_t n = first; n < rise.size(); ++n) out.in_bone += slice * kHeat * rise[n];
-  return out;
+/// Bone that is left [m^3].
+double bone_left(DrillRun& run) {
+  const Vec3i dims = run.loaded().bone->dims();
+  std::vector<float> density(VoxelBox{Vec3i(0), dims}.count());
+  run.simulation().voxmap().read_density({Vec3i(0), dims}, density);
+  double sum = 0.0;
+  for (const float value : density) sum += static_cast<double>(value);
+  return sum * std::pow(run.voxel(), 3.0);
 }
 
 PictureSource* picture_of(DrillRun& run) {
@@ -92,28 +73,37 @@ Shown shown_of(DrillRun& run) {
 
 }  // namespace
 
-TEST_CASE("heat: the split of the heat between bone and chips follows a one-dimensional twin, nearer with smaller cells") {
-  const double area = 4e-6, share = 0.5, released = share * EnergyConfig{}.specific_energy * area * kDepth;
-  const double seconds = kDepth / kFeed;
-  const Twin twin = column(share * EnergyConfig{}.specific_energy * kFeed, seconds);
-  // The twin keeps the energy itself.
-  REQUIRE((twin.in_bone + twin.chips) * area == doctest::Approx(released).epsilon(0.01));
-  double before = 1.0;
-  for (const int cell : {4, 2, 1}) {
-    DrillRun run(post("[heat]\ncell_voxels = " + std::to_string(cell) + "\n"));
+TEST_CASE(
+    "heat: the heat in bone of a drilled post in cells up to 0.5 mm, and at 0.25 mm the temperature of its inner face, are within 3 % of a "
+    "twin") {
+  // The bit starts 0.01 mm above the post, and the run ends after 20 s.
+  const double share = 0.5, depth = 20.0 * kFeed - 0.01e-3, seconds = depth / kFeed;
+  struct Case {
+    int cell;
+    double voxel;  // [mm]
+    int rate;      // [Hz]
+  };
+  for (const auto& [cell, voxel, rate] :
+       {Case{4, 0.25, 50}, Case{2, 0.25, 50}, Case{1, 0.25, 50}, Case{2, 0.2, 50}, Case{2, 0.25, 20}, Case{2, 0.25, 100}}) {
+    DrillRun run(post("[heat]\ncell_voxels = " + std::to_string(cell) + "\n",
+                      {"volume.spacing_mm=" + std::to_string(voxel), "erosion.rate_hz=" + std::to_string(rate)}));
     run.run();
     const Simulation& simulation = run.simulation();
     CHECK(figure(simulation, "heat", "released_J") == doctest::Approx(share * figure(simulation, "heat", "work_J")).epsilon(1e-9));
-    CHECK(figure(simulation, "heat", "work_J") ==
-          doctest::Approx(EnergyConfig{}.specific_energy * figure(simulation, "erosion", "removed_mass_mm3") * 1e-9).epsilon(1e-6));
+    const double removed = figure(simulation, "erosion", "removed_mass_mm3") * 1e-9;
+    CHECK(figure(simulation, "heat", "work_J") == doctest::Approx(EnergyConfig{}.specific_energy * removed).epsilon(1e-6));
     CHECK(figure(simulation, "heat", "balance_error") < 1e-4);
-    // Chips leave at the mean temperature of their cell, not at that of its surface: lower by the rise across half a cell, v h / (2 alpha).
-    const double bound = kFeed * cell * 0.25e-3 / (2.0 * kDiffusivity);
-    const double error = std::abs(figure(simulation, "heat", "in_bone_J") / (twin.in_bone * area) - 1.0);
-    MESSAGE("cells of " << cell << " voxels: " << error * 100.0 << " %, bound " << bound * 100.0 << " %");
-    CHECK(error < bound);
-    CHECK(error < before);
-    before = error;
+    // The voxels round the edges off, so the post is not exactly 2 x 2 x 4 mm: its section is what a depth removes, its length what it holds.
+    const double area = removed / depth, length = depth + bone_left(run) / area;
+    const AblationTwin twin = ablate(share * EnergyConfig{}.specific_energy * kFeed, kFeed, length, seconds);
+    const double error = figure(simulation, "heat", "in_bone_J") / (twin.in_bone * area) - 1.0;
+    const double kelvin = std::log2(figure(simulation, "heat", "dose_inner_face_min") / twin.inner_dose);
+    MESSAGE("cells of " << cell << " voxels of " << voxel << " mm, " << rate << " Hz, " << length * 1e3 << " mm: " << error * 100.0
+                        << " %, inner face " << kelvin << " K of " << twin.inner_rise);
+    // docs/accuracy.md, for cells up to the default; of 1 mm the error that heat_convergence_test derives, of second order.
+    CHECK(std::abs(error) < (cell <= 2 ? 0.03 : 0.18));
+    // In larger cells the bone at the inner face is a part of a layer whose thickness is known from its share alone: docs/heat.md has the errors.
+    if (cell == 1) CHECK(std::abs(kelvin) < 0.03 * twin.inner_rise);
   }
 }
 
