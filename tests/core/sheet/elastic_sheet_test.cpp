@@ -183,7 +183,7 @@ TEST_CASE("sheet: on a body below alone it follows a pressure with the time cons
   }
 }
 
-TEST_CASE("sheet: a pull comes off the bone at its adhesion and what the body below carries until then") {
+TEST_CASE("sheet: under a pressure away from the bone it comes off at its adhesion and what the body below carries until then") {
   // A sheet without stiffness moves by u = p / (adhesion / way + support) everywhere: it comes off where u passes the way.
   for (const double adhesion : {2e3, 5e3, 20e3}) {
     CAPTURE(adhesion);
