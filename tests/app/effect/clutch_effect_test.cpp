@@ -178,9 +178,9 @@ TEST_CASE("clutch: each key of the spring moves engagement and release to the in
     std::string keys;
     ClutchConfig config;
   };
-  const Case cases[] = {{"engage_N = 18\n", {.engage_force = 18.0}},   {"spring_N_per_mm = 6\n", {.stiffness = 6000.0}},
-                        {"travel_mm = 3\n", {.travel = 3e-3}},         {"teeth_mm = 0.2\n", {.teeth = 0.2e-3}},
-                        {"damping_N_s_per_m = 400\n", {.damping = 400.0}}, {"wear = 0.3\n", {.wear = 0.3}}};
+  const Case cases[] = {
+      {"engage_N = 18\n", {.engage_force = 18.0}}, {"spring_N_per_mm = 6\n", {.stiffness = 6000.0}},  {"travel_mm = 3\n", {.travel = 3e-3}},
+      {"teeth_mm = 0.2\n", {.teeth = 0.2e-3}},     {"damping_N_s_per_m = 400\n", {.damping = 400.0}}, {"wear = 0.3\n", {.wear = 0.3}}};
   const TemporaryFolder folder;
   for (const Case& one : cases) {
     CAPTURE(one.keys);
