@@ -94,6 +94,8 @@ class ClutchEffect final : public Effect {
       out.add("release_took_ms", clutch_.release_took() * 1e3);
       out.add("thrust_at_release_N", thrust_at_release_);
       out.add("torque_after_release_Nm", torque_after_);
+      out.add("inner_turns_after_release", inner_turns_);
+      out.add("outer_turns_after_release", outer_turns_);
     }
     out.add("tip_supported", load_.supported);
     out.add("tip_reaction_N", reaction_);
@@ -146,8 +148,10 @@ class ClutchEffect final : public Effect {
     const ClutchDrive drive = clutch_.step(reaction_, *spin_, tick.dt);
     if (clutch_.releases() != releases) {
       thrust_at_release_ = force_;
-      torque_after_ = 0.0;
+      torque_after_ = inner_turns_ = outer_turns_ = 0.0;
     }
+    inner_turns_ += (drive.inner - drive.coupled) * *spin_ * tick.dt;
+    outer_turns_ += (drive.outer - drive.coupled) * *spin_ * tick.dt;
     *drill_spin_ = *spin_ * drive.outer;
     publish(drive);
   }
@@ -191,6 +195,7 @@ class ClutchEffect final : public Effect {
   double thrust_most_ = 0.0, reaction_most_ = 0.0;          // [N] of all steps
   double thrust_at_release_ = 0.0;                          // [N]
   double torque_after_ = 0.0;                               // [N m] the largest since the last release while released
+  double inner_turns_ = 0.0, outer_turns_ = 0.0;            // [rev] since the last release, not driven
   double engaged_ = 0.0, pushed_back_ = 0.0;                // for the columns
   const ContactState* touched_ = nullptr;
   DrillThrust* thrust_out_ = nullptr;

@@ -107,8 +107,7 @@ class DuraEffect final : public Effect {
         at_rest_(stage.config.volume.world_from_bone),
         sees_bone_(stage.needs.reads_window) {
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) highest_ = std::max(highest_, sheet_.rest(n).z);
-    points_.reserve(stage.tool->shell.positions.size());
-    from_.reserve(stage.tool->shell.positions.size());
+    fit_tool();
     look_at_bone();
   }
 
@@ -136,6 +135,10 @@ class DuraEffect final : public Effect {
     return {};
   }
   PictureSource* picture_source() noexcept override { return &picture_; }
+  Status change_tool(Stage&) override {
+    fit_tool();
+    return {};
+  }
   /// Bone that comes back brings back the dura under it, whole and at rest.
   void place(const Pose&) noexcept override {
     passive_.restart();
@@ -171,7 +174,18 @@ class DuraEffect final : public Effect {
   }
 
  private:
+  /// So that steps with the stage's tool do not allocate.
+  void fit_tool() {
+    const std::size_t count = stage_->tool->shell.positions.size();
+    for (std::vector<Vec3>* points : {&points_, &from_}) {
+      points->clear();
+      points->reserve(count);
+    }
+    sheet_.reserve(count);
+  }
+
   void look_at_bone() {
+    open_ = false;
     const double above = voxmap_->bone().bone_from_index().mean_edge() * kVoxelsAbove;
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) {
       const Vec3i voxel = voxel_of(index_from_sheet_ * (sheet_.rest(n) + Vec3(0.0, 0.0, above)));

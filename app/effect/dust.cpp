@@ -110,6 +110,7 @@ class DustEffect final : public Effect {
     if (scene_.suction) out.add("suction_s", sucking_);
     out.add("hidden_share", hidden_);
     out.add("most_hidden_share", most_hidden_);
+    out.add("mean_chip_um", field_.mean_diameter() * kPerMicrometre);
     out.add("particles", static_cast<std::uint64_t>(field_.particles().size()));
     out.add("most_particles", static_cast<std::uint64_t>(field_.most()));
     out.add("merged", field_.merged());

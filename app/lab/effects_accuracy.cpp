@@ -225,15 +225,23 @@ std::size_t trials_of(const std::vector<Group>& own, const std::vector<NamedKnob
   return out;
 }
 
-/// @returns a group for each effect that names figures: the scene with its table.
-std::vector<Group> groups_of(const TrialScene& scene, const std::vector<std::string>& only, const TableReader& root) {
+/// @returns a group for each effect that names figures: the scene with its table. @param refused receives a ladder without runs for each effect with
+/// which the scene cannot be drilled.
+std::vector<Group> groups_of(const TrialScene& scene, const std::vector<std::string>& only, const TableReader& root,
+                             std::vector<Ladder>& refused) {
   std::vector<Group> out;
   for (const EffectEntry& effect : *scene.context.registry) {
     if (effect.read == nullptr || effect.accuracy.figures.empty() || !is_named(only, effect.table)) continue;
     Group group{effect.table, {}, {&effect}};
     if (!root.has(effect.table)) {
       AddedTable added = added_table(scene, effect, effect.accuracy.table);
-      if (!added.refused.empty()) continue;
+      if (!added.refused.empty()) {
+        Ladder ladder;
+        ladder.table = effect.table;
+        ladder.refused.push_back(std::move(added.refused));
+        refused.push_back(std::move(ladder));
+        continue;
+      }
       group.sets = std::move(added.trial.sets);
     }
     out.push_back(std::move(group));
@@ -268,9 +276,9 @@ Result<std::vector<Ladder>> measure_ladders(const TrialScene& scene, const std::
   if (!document) return document.error();
   Issues issues;
   const TableReader root = document->root(issues);
-  const std::vector<Group> own = groups_of(scene, only, root);
-  const std::vector<NamedKnob> general = general_knobs(*scene.context.registry, root);
   std::vector<Ladder> out;
+  const std::vector<Group> own = groups_of(scene, only, root, out);
+  const std::vector<NamedKnob> general = general_knobs(*scene.context.registry, root);
   if (own.empty()) return out;
   LadderBench bench(scene, runs, trials_of(own, general, own.size()));
   for (const Group& group : own)

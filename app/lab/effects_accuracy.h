@@ -27,7 +27,7 @@ struct LadderRun {
 /// One key at several values, as one effect sees it.
 struct Ladder {
   std::string table;                    ///< of the effect
-  std::string knob;                     ///< "table.key"
+  std::string knob;                     ///< "table.key"; empty: the scene cannot be drilled with the effect, `refused` says why
   bool general = false;                 ///< the key acts on every effect
   std::vector<AccuracyFigure> figures;  ///< of the effect
   std::vector<LadderRun> runs;          ///< coarse to fine; one has the multiple 1; none without a run of the reference

@@ -53,7 +53,7 @@ std::vector<std::string> line_of(const Ladder& ladder, const LadderRun& run, std
 std::vector<std::string> notes_of(const Ladder& ladder) {
   const std::vector<FigureErrors> errors = ladder_errors(ladder);
   std::vector<std::string> out;
-  for (const std::string& line : ladder.refused) out.push_back("not drilled with " + line);
+  for (const std::string& line : ladder.refused) out.push_back((ladder.knob.empty() ? "not drilled: " : "not drilled with ") + line);
   if (ladder.runs.empty()) return out;
   for (std::size_t n = 0; n < errors.size(); ++n)
     if (errors[n].trend == LadderTrend::none) out.push_back("no run has " + ladder.figures[n].name);
@@ -189,7 +189,8 @@ std::vector<std::vector<std::string>> ladder_cells(const std::vector<Ladder>& la
 std::vector<std::string> ladder_notes(const std::vector<Ladder>& ladders) {
   std::vector<std::string> out;
   for (const Ladder& ladder : ladders)
-    for (const std::string& note : notes_of(ladder)) out.push_back(fmt::format("[{}], {}: {}", ladder.table, ladder.knob, note));
+    for (const std::string& note : notes_of(ladder))
+      out.push_back(fmt::format("[{}]{}{}: {}", ladder.table, ladder.knob.empty() ? "" : ", ", ladder.knob, note));
   return out;
 }
 

@@ -90,13 +90,16 @@ nlohmann::ordered_json run_json(const EffectRun& run) {
 nlohmann::ordered_json ladder_json(const Ladder& ladder) {
   using Json = nlohmann::ordered_json;
   const std::vector<FigureErrors> errors = ladder_errors(ladder);
+  const bool ran = !ladder.reference.figures.empty();
+  const auto if_ran = [ran](double value) { return ran ? Json(value) : Json(); };
   Json out{{"table", ladder.table},
-           {"key", ladder.knob},
+           {"key", ladder.knob.empty() ? Json() : Json(ladder.knob)},
            {"with", ladder.along},
+           {"refused", ladder.refused},
            {"has_effect", has_effect(errors)},
-           {"reference", ladder.reference.setting},
-           {"reference_ms_per_s", ladder.reference.time_ms},
-           {"reference_bytes", ladder.reference.bytes},
+           {"reference", if_ran(ladder.reference.setting)},
+           {"reference_ms_per_s", if_ran(ladder.reference.time_ms)},
+           {"reference_bytes", if_ran(ladder.reference.bytes)},
            {"values", Json::array()}};
   for (std::size_t n = 0; n < ladder.runs.size(); ++n) {
     const LadderRun& run = ladder.runs[n];

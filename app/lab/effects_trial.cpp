@@ -111,9 +111,9 @@ std::vector<std::string> sets_of(const std::string& table, const std::string& li
 
 AddedTable added_table(const TrialScene& scene, const EffectEntry& effect, const std::string& lines) {
   std::vector<std::string> tables{lines};
-  if (!lines.empty()) tables.emplace_back();
-  for (const std::string& sample : effect.samples)
-    if (sample.find('[') == std::string::npos) tables.push_back(sample);
+  if (lines.empty())
+    for (const std::string& sample : effect.samples)
+      if (sample.find('[') == std::string::npos) tables.push_back(sample);
   AddedTable out;
   for (const std::string& table : tables) {
     EffectTrial trial{effect.table, sets_of(effect.table, table)};

@@ -67,7 +67,8 @@ struct AddedTable {
   std::string given;    ///< the table in one line
   std::string refused;  ///< why the scene cannot be drilled with it; empty: it can
 };
-/// Finds the smallest table with which a scene can be drilled. @param lines tried first; empty: the empty table, then the samples of the effect.
+/// Finds the smallest table with which a scene can be drilled: the empty one, then the samples of the effect. @param lines not empty: that table
+/// alone.
 [[nodiscard]] AddedTable added_table(const TrialScene& scene, const EffectEntry& effect, const std::string& lines = {});
 
 /// Every key that the readers of a scene request, with its default.

@@ -11,7 +11,6 @@ namespace burrhole {
 namespace {
 
 constexpr float kEdge = 12.0f, kWide = 18.0f, kTick = 5.0f;  // [pixels] at scale 1
-constexpr float kHintLines = 6.0f;                           // of the hints, with their frame
 
 }  // namespace
 
@@ -53,14 +52,14 @@ void draw_scale(const ColorBar& bar, const ScaleRoom& room, float scale) {
   ImGui::End();
 }
 
-void draw_scale(const ColorBar& bar, const Gui& gui, const WindowView& view, bool hints, int height) {
+void draw_scale(const ColorBar& bar, const Gui& gui, const WindowView& view, float hints, int height) {
   const float edge = kEdge * gui.scale();
   float below = edge;
   if (view.transport) below += transport_height(gui);
   if (view.requests.slices)
     below += static_cast<float>(kSliceSize) * gui.scale() + edge;
-  else if (hints)
-    below += kHintLines * ImGui::GetTextLineHeightWithSpacing() + edge;
+  else if (hints > 0.0f)
+    below += hints + edge;
   ImGui::PushFont(gui.small());
   draw_scale(bar, scale_room(static_cast<float>(height), edge, below, ImGui::GetFontSize()), gui.scale());
   ImGui::PopFont();

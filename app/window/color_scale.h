@@ -20,7 +20,8 @@ struct ScaleRoom {
 /// font; a value for which there is no room is left out. @param scale of texts and spaces.
 void draw_scale(const ColorBar& bar, const ScaleRoom& room, float scale);
 
-/// The same for a view of a window, where its slices, hints and time line leave room. @param hints they are shown. @param height of the picture.
-void draw_scale(const ColorBar& bar, const Gui& gui, const WindowView& view, bool hints, int height);
+/// The same for a view of a window, where its slices, hints and time line leave room. @param hints height of the hints; 0: none are shown. @param
+/// height of the picture.
+void draw_scale(const ColorBar& bar, const Gui& gui, const WindowView& view, float hints, int height);
 
 }  // namespace burrhole

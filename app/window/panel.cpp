@@ -342,7 +342,8 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopTextWrapPos();
     ImGui::End();
   }
-  if (plan_.scale && view.stage == RunStage::drilling) draw_scale(*plan_.scale, *gui_, view, has_hints(view), height);
+  const float hinted = has_hints(view) ? hints(view, width, height) : 0.0f;
+  if (plan_.scale && view.stage == RunStage::drilling) draw_scale(*plan_.scale, *gui_, view, hinted, height);
   if (figures.coarse) {
     const float below = view.transport ? transport_height(*gui_) : 0.0f;
     begin_over("coarse", ImVec2(w - edge, h - edge - below), ImVec2(1.0f, 1.0f));
@@ -359,7 +360,6 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopFont();
     ImGui::End();
   }
-  if (has_hints(view)) hints(view, width, height);
   if (view.paused) {
     begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f));
     ImGui::PushFont(gui_->big());
@@ -403,7 +403,7 @@ void Panel::warnings(const WindowView& view, int width) {
   ImGui::End();
 }
 
-void Panel::hints(const WindowView& view, int width, int height) {
+float Panel::hints(const WindowView& view, int width, int height) {
   const float edge = 12.0f * gui_->scale();
   begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f));
   ImGui::PushTextWrapPos(static_cast<float>(width) - 3.0f * edge);  // large letters stay on the picture
@@ -418,7 +418,9 @@ void Panel::hints(const WindowView& view, int width, int height) {
   text("F1 shows all keys. H hides this.");
   ImGui::PopFont();
   ImGui::PopTextWrapPos();
+  const float high = ImGui::GetWindowHeight();  // with the lines that the width of the picture broke
   ImGui::End();
+  return high;
 }
 
 void Panel::help(bool watches, int width, int height) {

@@ -86,7 +86,8 @@ class Panel {
   void over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height);
   [[nodiscard]] bool has_hints(const WindowView& view) const noexcept;
   void warnings(const WindowView& view, int width);
-  void hints(const WindowView& view, int width, int height);
+  /// @returns the height [pixels] of what it draws.
+  float hints(const WindowView& view, int width, int height);
   void help(bool watches, int width, int height);
   void end_question(int width, int height);
   void end_screen(int width, int height);

@@ -114,7 +114,7 @@ class ConstrainedTool {
     Pose world_from_target;
     double stiffness, turn_stiffness;
   };
-  /// [-] Relative stiffness of bone under the contacts; -1 without contact.
+  /// [-] Relative stiffness of bone under the contacts; -1: the bone has none, or no contact that pushes has bone under it.
   [[nodiscard]] double hardness_under_contacts(const SurfaceView& bone) const noexcept;
   /// At the end of a step: the coupling of the next one. @param from [m] bone frame: proxy position at the start of the step.
   void feel_hardness(const SurfaceView& bone, const Vec3& from, double dt) noexcept;

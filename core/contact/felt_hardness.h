@@ -18,7 +18,7 @@ class FeltHardness {
   static constexpr double kUnloaded = 0.05;  ///< [N] a smaller force of the spring counts as none
   explicit FeltHardness(double share) noexcept : share_(share) {}
   struct Load {
-    double hardness = 1.0;   ///< [-] relative stiffness under the contacts; below 0: there is no contact
+    double hardness = 1.0;   ///< [-] relative stiffness under the contacts; below 0: none is known
     double force = 0.0;      ///< [N] of the spring
     double stiffness = 1.0;  ///< [N/m] K_coupling
     double advance =

@@ -113,6 +113,8 @@ DebrisParticle DebrisField::born(const DebrisStep& now, bool is_mist) noexcept {
   }
   const double mean = std::clamp(config_.chip_ratio * thickness_, config_.smallest, config_.largest);
   one.diameter = mean * portable_exp(portable_log(config_.size_spread) * (2.0 * random() - 1.0));
+  diameters_ += one.diameter;
+  ++made_;
   const double rim = 2.0 * std::numbers::pi * now.bit.spin * now.bit.radius;
   const double speed = config_.throw_share * rim * (1.0 + kSpeedSpread * (2.0 * random() - 1.0));
   const Vec3 along = glm::cross(now.bit.axis, outwards);

@@ -114,6 +114,8 @@ class DebrisField {
   [[nodiscard]] double balance_error() const noexcept;
   [[nodiscard]] std::uint64_t merged() const noexcept { return merged_; }  ///< particles that joined others
   [[nodiscard]] std::size_t most() const noexcept { return most_; }        ///< largest number of particles so far
+  /// @returns the mean diameter [m] of the chips that were made so far, mist not included, each particle once; 0 before any.
+  [[nodiscard]] double mean_diameter() const noexcept { return made_ > 0 ? diameters_ / static_cast<double>(made_) : 0.0; }
   [[nodiscard]] const DebrisConfig& config() const noexcept { return config_; }
 
   /// @returns the share of a disc, seen along its axis, that settled particles cover. @param centre [m]. @param radius [m] > 0. Tested at the
@@ -162,6 +164,8 @@ class DebrisField {
   double to_test_ = 0.0;  // [-] particles due in slide()
   std::uint64_t tested_ = 0, drawn_ = 0, merged_ = 0;
   std::uint32_t numbers_ = 0;
+  double diameters_ = 0.0;  // [m] sum of all particles of chips
+  std::uint64_t made_ = 0;  // such particles
   std::size_t most_ = 0;
 };
 

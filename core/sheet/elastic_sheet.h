@@ -73,6 +73,8 @@ class ElasticSheet {
   /// number than nodes.
   [[nodiscard]] static Result<ElasticSheet> create(const SheetConfig& config, SheetLattice lattice, std::span<const double> height);
 
+  /// Reserves memory, so that steps with up to this number of points of the tool do not allocate.
+  void reserve(std::size_t points) { pressed_.reserve(points); }
   /// Sets whether bone lies over a node. Where bone goes, the sheet is free; where it comes back, it does not stick again.
   void cover(std::size_t node, SheetCover cover) noexcept;
   /// @param dt [s] > 0. At most kMostParts + kMostLastParts solutions.

@@ -21,6 +21,7 @@ Vec3 SlewLimit::operator()(const Vec3& wanted) noexcept {
   const Vec3 change = wanted - shown_;
   const Vec3 allowed = shortened(change, per_tick_);
   limited_ = allowed != change;
+  share_ = limited_ ? glm::length(allowed) / glm::length(change) : 1.0;
   shown_ = limited_ ? shown_ + allowed : wanted;
   return shown_;
 }

@@ -20,12 +20,14 @@ class SlewLimit {
   explicit SlewLimit(double per_tick) noexcept : per_tick_(per_tick) {}
   [[nodiscard]] Vec3 operator()(const Vec3& wanted) noexcept BH_REALTIME;
   [[nodiscard]] bool limited() const noexcept { return limited_; }  ///< in the last tick
+  [[nodiscard]] double share() const noexcept { return share_; }    ///< [-] of the change that was wanted in the last tick; 1: all of it
   void clear() noexcept { shown_ = Vec3(0.0); }
 
  private:
   double per_tick_;
   Vec3 shown_{0.0};
   bool limited_ = false;
+  double share_ = 1.0;
 };
 
 /// A gain that ramps linearly from 0 to 1 over the start time and back over the stop time; 0 s: immediately.

@@ -105,10 +105,12 @@ Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand,
   const Vec3 moved = bounded(hand.world_from_hand.translation - sampled.translation, config_.max_distance);
   const bool with_untouched = config_.scheme == MultiRateScheme::planes;
   if (with_untouched && local.kind == LocalKind::coupled) {
+    holds_tool_ = true;
     if (renewed) tool_.renew(latest, config_.max_distance);
     const Wrench on_hand = pressed_on(latest, near_sample(sampled, hand.world_from_hand, moved), hand, dt);
     if (local.count > 0) return on_hand;
-  } else {
+  } else if (holds_tool_) {
+    holds_tool_ = false;
     tool_.clear();  // its pose would be out of date
     trail_.clear();
   }

@@ -69,6 +69,7 @@ class MultiRate {
   PlaneLoads loads_;
   LocalTool tool_;
   ToolTrail trail_;
+  bool holds_tool_ = false;     // tool_ and trail_ follow contact
   std::uint64_t followed_ = 0;  // number of the result that the tool follows
   TangentialLaw* law_ = nullptr;
   TangentialSpring spring_;  // for penalty planes, and for coupled ones in the scheme `gradient`

@@ -133,12 +133,14 @@ bool ServoStep::reset() noexcept {
 void ServoStep::restart() noexcept {
   restart_softly();
   kept_ = output_.force;
+  kept_added_ = added_;
   kept_share_ = config_.soft_start > 0.0 && kept_ != Vec3(0.0) ? 1.0 : 0.0;
 }
 
 void ServoStep::restart_softly() noexcept {
   multi_rate_.clear();
   slew_.clear();
+  slewed_added_ = Vec3(0.0);
   gain_.cut();
   kept_share_ = 0.0;
   soft_since_ = output_.hand.tick;
@@ -176,7 +178,7 @@ Vec3 ServoStep::fading() noexcept {
   return kept_ * kept_share_;
 }
 
-Vec3 ServoStep::limited(Vec3 force) noexcept {
+Vec3 ServoStep::limited(Vec3 force, Vec3 added) noexcept {
   const Vec3 damping = energy_.damping_force();
   if (damping != Vec3(0.0)) {
     force += damping;
@@ -187,10 +189,12 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
   // dropped.
   const Vec3 capped = shortened(force, config_.largest_force);
   if (capped != force) {
+    added *= glm::length(capped) / glm::length(force);
     faults_ |= kServoForceCapped;
     ++counts_.capped;
   }
   const Vec3 shown = slew_(capped);
+  slewed_added_ = slew_.limited() ? slewed_added_ + slew_.share() * (added - slewed_added_) : added;
   if (slew_.limited()) {
     faults_ |= kServoSlewLimited;
     ++counts_.slewed;
@@ -200,7 +204,9 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
   // A step of the force is impossible where the force is zero, if contact used the current place of the hand.
   const bool free = kept_share_ <= 0.0 && glm::length(output_.wanted) <= kNothing;
   if (on && output_.contact_number > 0 && contact_tick_ >= soft_since_ && free) gain_.open();
-  return shown * gain + fading();
+  const Vec3 kept = fading();
+  added_ = slewed_added_ * gain + kept_added_ * kept_share_;
+  return shown * gain + kept;
 }
 
 const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
@@ -218,9 +224,9 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
     slew_.clear();
     gain_.cut();
     kept_share_ = 0.0;
-    output_.force = Vec3(0.0);
+    output_.force = slewed_added_ = added_ = Vec3(0.0);
   } else {
-    output_.force = limited(output_.wanted);
+    output_.force = limited(output_.wanted, added);
   }
   if (swings_(output_.force)) {
     faults_ |= kServoSwinging;
@@ -231,7 +237,7 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   output_.faults = faults_;
   ++counts_.ticks;
   if (contact.number > 0) hand_->drill_at(contact.bone.world_from_rest.inverse() * contact.world_from_tool.translation);
-  if (added != Vec3(0.0)) hand_->added_force(added * output_.gain);
+  if (added_ != Vec3(0.0)) hand_->added_force(added_);
   hand_->apply({output_.force, Vec3(0.0)});
   return output_;
 }

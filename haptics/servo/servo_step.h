@@ -123,7 +123,8 @@ class ServoStep {
   void restart_softly() noexcept;
   /// Sets the faults of this tick except those of the force, and the age of contact.
   void watch(const ContactState& contact) noexcept;
-  [[nodiscard]] Vec3 limited(Vec3 force) noexcept;
+  /// @param added [N] the part of the force that effects add.
+  [[nodiscard]] Vec3 limited(Vec3 force, Vec3 added) noexcept;
   /// @returns what is left of the force that was shown at restart(), one tick on.
   [[nodiscard]] Vec3 fading() noexcept;
 
@@ -138,7 +139,10 @@ class ServoStep {
   SwingDetector swings_;
   SlewLimit slew_;
   SoftGain gain_;
+  Vec3 slewed_added_{0.0};          // [N] part of what slew_ shows that effects added
+  Vec3 added_{0.0};                 // [N] part of the output that effects added
   Vec3 kept_{0.0};                  // [N] shown when restart() was called
+  Vec3 kept_added_{0.0};            // [N] part of it that effects added
   double kept_share_ = 0.0;         // [-] of kept_ that is still shown
   std::uint64_t hand_age_ = 0;      // [ticks] for which the hand's tick has been the same
   std::uint64_t soft_since_ = 0;    // tick of the hand at the last abrupt removal of the force

@@ -32,6 +32,33 @@ std::array<bool, 6> cut_faces(const VoxelBox& all, const std::vector<std::uint8_
   return out;
 }
 
+/// Takes the mark of bone off all cubes but those of the connected part, neighbours across corners included, with the most voxels of bone.
+void keep_largest_bone(const VoxelBox& all, const std::vector<std::int32_t>& voxels, std::uint8_t bone, std::vector<std::uint8_t>& state) {
+  std::vector<std::int32_t> part(state.size(), 0);
+  std::vector<std::int64_t> sums{0};  // [voxels] of each part; 0: no part
+  std::vector<Vec3i> open;
+  const auto enter = [&](const Vec3i& v) {
+    const std::size_t n = all.offset_of(v);
+    if ((state[n] & bone) == 0 || part[n] != 0) return;
+    part[n] = static_cast<std::int32_t>(sums.size()) - 1;
+    sums.back() += voxels[n];
+    open.push_back(v);
+  };
+  for_each_voxel(all, [&](const Vec3i& start) {
+    if ((state[all.offset_of(start)] & bone) == 0 || part[all.offset_of(start)] != 0) return;
+    sums.push_back(0);
+    enter(start);
+    while (!open.empty()) {
+      const Vec3i v = open.back();
+      open.pop_back();
+      for_each_voxel(VoxelBox{v - 1, v + 2}.intersect(all), enter);
+    }
+  });
+  const auto largest = std::ranges::max_element(sums) - sums.begin();
+  for (std::size_t n = 0; n < state.size(); ++n)
+    if (part[n] != largest) state[n] &= static_cast<std::uint8_t>(~bone);
+}
+
 }  // namespace
 
 void SkullCavity::sort_voxels(const Scan& scan, const TissueLevels& levels) {
@@ -41,17 +68,21 @@ void SkullCavity::sort_voxels(const Scan& scan, const TissueLevels& levels) {
   dims_ = floor_int((hi - lo) / cube_ + 0.5) + 1;
   const VoxelBox all = bounds(), voxels{Vec3i(0), scan.dims};
   state_.assign(all.count(), 0);
-  std::vector<std::int32_t> air(all.count()), count(all.count());
+  std::vector<std::int32_t> air(all.count()), bone(all.count()), count(all.count());
   for_each_voxel(voxels, [&](const Vec3i& v) {
     const Vec3i cube = glm::clamp(floor_int((scan.bone_from_index * Vec3(v) - origin_) / cube_ + 0.5), Vec3i(0), dims_ - 1);
     const std::size_t n = all.offset_of(cube);
     const auto value = static_cast<double>(scan.values[voxels.offset_of(v)]);
-    if (value >= levels.bone) state_[n] |= kBone;
+    if (value >= levels.bone) {
+      state_[n] |= kBone;
+      ++bone[n];
+    }
     air[n] += value < levels.air ? 1 : 0;
     ++count[n];
   });
   for (std::size_t n = 0; n < state_.size(); ++n)
     if (2 * air[n] > count[n] || count[n] == 0) state_[n] |= kAir;
+  keep_largest_bone(all, bone, kBone, state_);
 }
 
 void SkullCavity::find_enclosed() {

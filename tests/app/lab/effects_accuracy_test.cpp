@@ -171,6 +171,34 @@ TEST_CASE("ladder: a key without a run of its reference has no errors, and a lin
   CHECK(ladder_notes({ladder}).front().find("must be above 0") != std::string::npos);
   CHECK(ladder_plot({ladder}).panels.empty());
   CHECK(general_ladder_plot({ladder}).panels.empty());
+  EffectsCost cost;
+  cost.ladders = {ladder};
+  const std::string json = effects_cost_json(cost);
+  CHECK(json.find("\"series.step_mm=0: must be above 0\"") != std::string::npos);
+  CHECK(json.find("\"reference\": null") != std::string::npos);
+}
+
+TEST_CASE(
+    "ladder: an effect with which the scene cannot be drilled is named with the reason, and its own table is not replaced by another") {
+  EffectRegistry registry = with_series();
+  registry.back().accuracy.table = "step_mm = 1000";
+  TrialScene scene = short_scene();
+  scene.context.registry = &registry;
+  const auto ladders = measure_ladders(scene, {}, {});
+  REQUIRE(ladders);
+  REQUIRE(ladders->size() == 1);
+  const Ladder& ladder = ladders->front();
+  CHECK(ladder.table == "series");
+  CHECK(ladder.runs.empty());
+  REQUIRE(ladder.refused.size() == 1);
+  CHECK(ladder.refused.front().find("step_mm") != std::string::npos);
+  REQUIRE(ladder_notes(*ladders).size() == 1);
+  CHECK(ladder_notes(*ladders).front().find("[series]: not drilled: ") == 0);
+  CHECK(ladder_rows(*ladders).empty());
+  CHECK(ladder_plot(*ladders).panels.empty());
+  EffectsCost cost;
+  cost.ladders = *ladders;
+  CHECK(effects_cost_json(cost).find("\"key\": null") != std::string::npos);
 }
 
 TEST_CASE("ladder: an effect outside the program gets the errors of its closed forms, and an inert key is named") {

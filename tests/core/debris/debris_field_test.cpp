@@ -17,8 +17,8 @@ namespace {
 constexpr double kMm3 = 1e-9;  // [m^3]
 
 /// Bone below z = 0.
-DebrisField flat_field(const DebrisConfig& config = {}, const Vec3& down = Vec3(0.0, 0.0, -1.0)) {
-  DebrisSite site = make_site(Affine::scaling(0.25e-3, Vec3(-5e-3)), down);
+DebrisField flat_field(const DebrisConfig& config = {}, const Vec3& down = Vec3(0.0, 0.0, -1.0), double cell = 0.5e-3, double half = 4e-3) {
+  DebrisSite site = make_site(Affine::scaling(0.25e-3, Vec3(-5e-3)), down, cell, half);
   fill(site, [](const Vec3& p) { return std::clamp(0.5 - p.z / 0.25e-3, 0.0, 1.0); });
   auto field = DebrisField::create(config, std::move(site));
   REQUIRE(field);
@@ -34,12 +34,37 @@ DebrisStep cutting(double dt, double removed, double spin = 17.0) {
 }
 
 /// Drills for a second and drops what the bit holds; the bit is then far away.
-DebrisField drilled(DebrisConfig config = {}, double volume = 10.0 * kMm3) {
+DebrisField drilled(DebrisConfig config = {}, double volume = 10.0 * kMm3, double cell = 0.5e-3, double half = 4e-3) {
   config.particle = 0.05 * kMm3;  // loose, one fills a heap cell
-  DebrisField field = flat_field(config);
+  DebrisField field = flat_field(config, Vec3(0.0, 0.0, -1.0), cell, half);
   for (int n = 0; n < 50; ++n) field.step(cutting(0.02, volume / 50.0));
   for (int n = 0; n < 100; ++n) field.step({.dt = 0.02, .bit = bit(0.0, 3e-3)});
   return field;
+}
+
+/// Particles that leave at once a bit at 17 turns/s, just thrown: nothing has slowed them.
+DebrisField thrown(DebrisConfig config) {
+  config.particle = 0.001 * kMm3;
+  config.clearing = 1e12;
+  config.mist_share = 0.0;
+  DebrisField field = flat_field(config);
+  for (int n = 0; n < 30; ++n) field.step(cutting(1e-9, 60.0 * config.particle));
+  REQUIRE(field.particles().size() > 1700);
+  return field;
+}
+
+/// Mean, and what it may be off: four of its standard deviations, from the spread of the values.
+struct Mean {
+  double value, off;
+};
+Mean mean_of(const std::vector<double>& values) {
+  double sum = 0.0, squares = 0.0;
+  for (const double value : values) {
+    sum += value;
+    squares += value * value;
+  }
+  const auto count = static_cast<double>(values.size());
+  return {sum / count, 4.0 * std::sqrt((squares / count - std::pow(sum / count, 2)) / count)};
 }
 
 double sum_of(const DebrisField& field) {
@@ -49,6 +74,88 @@ double sum_of(const DebrisField& field) {
 }
 
 }  // namespace
+
+TEST_CASE("debris: diameters spread evenly in their logarithm, by size_spread, round chip_ratio x thickness within smallest and largest") {
+  struct Case {
+    double ratio, smallest, largest, spread, middle;  // [-], [m], [m], [-], [m]
+  };
+  // The chips are 5 um thick.
+  for (const Case& one : {Case{20.0, 50e-6, 500e-6, 2.0, 100e-6},
+                          {40.0, 50e-6, 500e-6, 2.0, 200e-6},
+                          {4.0, 50e-6, 500e-6, 2.0, 50e-6},
+                          {4.0, 80e-6, 500e-6, 2.0, 80e-6},
+                          {1000.0, 50e-6, 500e-6, 2.0, 500e-6},
+                          {1000.0, 50e-6, 300e-6, 2.0, 300e-6},
+                          {20.0, 50e-6, 500e-6, 1.0, 100e-6},
+                          {20.0, 50e-6, 500e-6, 6.0, 100e-6}}) {
+    CAPTURE(one.middle);
+    CAPTURE(one.spread);
+    const DebrisField field =
+        thrown({.chip_ratio = one.ratio, .smallest = one.smallest, .largest = one.largest, .size_spread = one.spread});
+    std::vector<double> all;
+    for (const DebrisParticle& particle : field.particles()) all.push_back(particle.diameter / one.middle);
+    // The mean of s^x over x in -1..1.
+    const double log = std::log(one.spread), mean = one.spread > 1.0 ? std::sinh(log) / log : 1.0;
+    CHECK(std::abs(mean_of(all).value - mean) < mean_of(all).off + 1e-12);
+    CHECK(field.mean_diameter() == doctest::Approx(mean_of(all).value * one.middle).epsilon(1e-12));
+    // Of 1700, one in 100 at either end is missed with a chance of 4e-8.
+    CHECK(*std::ranges::min_element(all) >= (1.0 - 1e-12) / one.spread);
+    CHECK(*std::ranges::min_element(all) <= (1.0 + 1e-12) / std::pow(one.spread, 0.98));
+    CHECK(*std::ranges::max_element(all) <= (1.0 + 1e-12) * one.spread);
+    CHECK(*std::ranges::max_element(all) >= (1.0 - 1e-12) * std::pow(one.spread, 0.98));
+    CHECK(std::abs(mean_of(all).value - 1.1 * mean) > mean_of(all).off);  // sabotage: a tenth more
+  }
+}
+
+TEST_CASE("debris: chips leave at throw_share of the rim's speed, and up and outwards by 0 to `spread` of their speed along it") {
+  constexpr double kRim = 2.0 * std::numbers::pi * 17.0 * 1e-3;  // [m/s]
+  for (const auto& [share, spread] : {std::pair{0.5, 0.5}, {1.0, 0.5}, {0.5, 0.0}, {0.5, 1.0}, {4.0, 2.0}}) {
+    CAPTURE(share);
+    CAPTURE(spread);
+    std::vector<double> speeds, outwards, up;
+    const DebrisField field = thrown({.throw_share = share, .spread = spread});
+    for (const DebrisParticle& one : field.particles()) {
+      const Vec3 out = glm::normalize(Vec3(one.position.x, one.position.y, 0.0));
+      const double along = glm::dot(one.velocity, glm::cross(Vec3(0.0, 0.0, 1.0), out));
+      speeds.push_back(glm::length(one.velocity) / kRim);
+      outwards.push_back(glm::dot(one.velocity, out) / along);
+      up.push_back(one.velocity.z / along);
+    }
+    // In the 30 ns since, drag of up to 300/s has taken 1e-5 of the speed, of at least 0.027 m/s, and gravity as much.
+    constexpr double kNear = 3e-5;
+    CHECK(std::abs(mean_of(speeds).value - share) < mean_of(speeds).off + kNear);
+    CHECK(std::abs(mean_of(speeds).value - 1.1 * share) > mean_of(speeds).off);  // sabotage
+    for (const std::vector<double>& ratio : {outwards, up}) {
+      CHECK(std::abs(mean_of(ratio).value - 0.5 * spread) < mean_of(ratio).off + kNear);
+      CHECK(*std::ranges::min_element(ratio) > -kNear);
+      CHECK(*std::ranges::max_element(ratio) < spread + kNear);
+      CHECK(*std::ranges::max_element(ratio) > 0.98 * spread - kNear);
+    }
+  }
+}
+
+TEST_CASE("debris: what goes beyond the site is lost: of a narrower one, what a wider one finds out there") {
+  // Coarse chips that leave the bit at once, too few for a heap. A chip that rests within 2 mm of the axis, along x and y, was never beyond, and one
+  // that was rests there.
+  constexpr double kVolume = 1.0 * kMm3, kCount = 400.0;
+  const auto scattered = [&](double half) {
+    DebrisField field =
+        flat_field({.particle = kVolume / kCount, .chip_ratio = 1000.0, .clearing = 100.0, .throw_share = 2.0, .mist_share = 0.0},
+                   Vec3(0.0, 0.0, -1.0), 0.5e-3, half);
+    for (int n = 0; n < 50; ++n) field.step(cutting(0.02, kVolume / 50.0));
+    return field;
+  };
+  const DebrisField wide = scattered(4e-3), narrow = scattered(2e-3);
+  double beyond = wide.totals().lost;
+  for (const DebrisParticle& one : wide.particles())
+    beyond += std::max(std::abs(one.position.x), std::abs(one.position.y)) > 2e-3 ? one.volume : 0.0;
+  const double share = beyond / kVolume;
+  REQUIRE(share > 0.2);
+  REQUIRE(share < 0.9);
+  // Draws differ once a chip is lost: a binomial scatter of either.
+  CHECK(std::abs(narrow.totals().lost / kVolume - share) < 4.0 * std::sqrt(2.0 * share * (1.0 - share) / kCount));
+  CHECK(wide.totals().lost / kVolume < share - 0.1);  // the sabotage: what goes beyond the wider one
+}
 
 TEST_CASE("debris: the balance closes to rounding at every step of 1 to 100 ms, with saline, suction, stops and a small budget") {
   for (const double dt : {1e-3, 0.02, 0.1})
@@ -95,12 +202,30 @@ TEST_CASE("debris: chips settle on bone, none inside it and none in the air, and
     far = std::max(far, r > 3.5e-3 ? one.position.z : 0.0);
   }
   CHECK(near > far);
-  // Plain twin: a full cell has its volume of loose chips, counted anew from the particles.
-  const DebrisSite& site = field.site();
-  std::vector<double> fills(site.cells(), 0.0);
-  for (const DebrisParticle& one : field.particles()) fills[site.cell_of(one.position)] += field.config().bulk * one.volume;
-  for (std::size_t n = 0; n < fills.size(); ++n)
-    if (std::abs(fills[n] / site.cell_volume() - 1.0) > 1e-5) CHECK(site.is_full(n) == (fills[n] > site.cell_volume()));
+}
+
+TEST_CASE(
+    "debris: a heap cell is full with the cube of its edge of loose chips, `bulk` times their bone; a twin counts the particles anew") {
+  for (const double cell : {0.5e-3, 0.7e-3})
+    for (const double bulk : {2.0, 4.0}) {
+      CAPTURE(cell);
+      CAPTURE(bulk);
+      const DebrisField field = drilled({.throw_share = 0.2, .mist_share = 0.0, .bulk = bulk}, 10.0 * kMm3, cell);
+      const DebrisSite& site = field.site();
+      CHECK(site.cell_volume() == doctest::Approx(cell * cell * cell).epsilon(1e-12));
+      CHECK(site.cells() == static_cast<std::size_t>(std::pow(std::floor(8e-3 / cell) + 1.0, 3.0)));
+      std::vector<double> fills(site.cells(), 0.0);
+      for (const DebrisParticle& one : field.particles()) fills[site.cell_of(one.position)] += bulk * one.volume;
+      int full = 0, sabotaged = 0;
+      for (std::size_t n = 0; n < fills.size(); ++n) {
+        if (std::abs(fills[n] / (cell * cell * cell) - 1.0) < 1e-5) continue;  // floats
+        CHECK(site.is_full(n) == (fills[n] > cell * cell * cell));
+        full += site.is_full(n) ? 1 : 0;
+        sabotaged += site.is_full(n) != (0.5 * fills[n] > cell * cell * cell) ? 1 : 0;
+      }
+      CHECK(full > 0);
+      CHECK(sabotaged > 0);  // half the bulk
+    }
 }
 
 TEST_CASE("debris: with a tilt of gravity chips drift to the lower side") {
@@ -202,19 +327,26 @@ TEST_CASE("debris: the hidden share is that of a disc's area under the chips, fa
   CHECK(field.hidden_share(Vec3(0.0), up, 2e-3) < hidden);
   CHECK(field.particles().empty());
   CHECK(field.hidden_share(Vec3(0.0), up, 2e-3) == 0.0);
-  // One particle of which the ball is known: pi r^2 over pi R^2. Nodes of a raster of 64: within two pitches of its rim.
-  DebrisField one = flat_field({.particle = 1.0 * kMm3, .mist_share = 0.0});
-  one.step({.dt = 0.02, .removed = 1.0 * kMm3, .bit = bit(0.0)});
-  for (int n = 0; n < 50; ++n) one.step({.dt = 0.02, .bit = bit(0.0)});
-  REQUIRE(one.particles().size() == 1);
-  const double r = one.radius_of(one.particles()[0]), pitch = 2.0 * 2e-3 / DebrisField::kRaster;
-  CHECK(r == doctest::Approx(std::cbrt(0.75 * 2.0e-9 / std::numbers::pi)));
-  const Vec3 at(one.particles()[0].position);
-  const double bound = 2.0 * pitch * r * 2.0 / 4e-6;
-  CHECK(std::abs(one.hidden_share(at, up, 2e-3) - r * r / 4e-6) < bound);
-  // Sabotage: over a disc that is wider or lies aside, it is another share.
-  CHECK(std::abs(one.hidden_share(at, up, 3e-3) - r * r / 4e-6) > bound);
-  CHECK(std::abs(one.hidden_share(at + Vec3(2e-3, 0.0, 0.0), up, 2e-3) - r * r / 4e-6) > bound);
+}
+
+TEST_CASE("debris: the hidden share of one particle is that of its ball, whose volume is `bulk` times its bone") {
+  const Vec3 up(0.0, 0.0, 1.0);
+  for (const double bulk : {2.0, 6.0}) {
+    CAPTURE(bulk);
+    DebrisField one = flat_field({.particle = 1.0 * kMm3, .mist_share = 0.0, .bulk = bulk});
+    one.step({.dt = 0.02, .removed = 1.0 * kMm3, .bit = bit(0.0)});
+    for (int n = 0; n < 50; ++n) one.step({.dt = 0.02, .bit = bit(0.0)});
+    REQUIRE(one.particles().size() == 1);
+    const double r = one.radius_of(one.particles()[0]), pitch = 2.0 * 2e-3 / DebrisField::kRaster;
+    CHECK(r == doctest::Approx(std::cbrt(0.75 * bulk * 1e-9 / std::numbers::pi)));
+    // pi r^2 over pi R^2. Nodes of a raster of 64: within two pitches of its rim.
+    const Vec3 at(one.particles()[0].position);
+    const double bound = 2.0 * pitch * r * 2.0 / 4e-6;
+    CHECK(std::abs(one.hidden_share(at, up, 2e-3) - r * r / 4e-6) < bound);
+    // Sabotage: over a disc that is wider or lies aside, it is another share.
+    CHECK(std::abs(one.hidden_share(at, up, 3e-3) - r * r / 4e-6) > bound);
+    CHECK(std::abs(one.hidden_share(at + Vec3(2e-3, 0.0, 0.0), up, 2e-3) - r * r / 4e-6) > bound);
+  }
 }
 
 TEST_CASE("debris: a full budget merges, keeps the volume, and is counted; a large one does not") {

@@ -9,8 +9,9 @@
 
 namespace burrhole::test {
 
-inline DebrisSite make_site(const Affine& bone_from_index, const Vec3& down = Vec3(0.0, 0.0, -1.0)) {
-  auto site = DebrisSite::create({Vec3(-4e-3), Vec3(4e-3)}, bone_from_index, {Vec3i(0), Vec3i(41)}, 0.5e-3, down);
+inline DebrisSite make_site(const Affine& bone_from_index, const Vec3& down = Vec3(0.0, 0.0, -1.0), double cell = 0.5e-3,
+                            double half = 4e-3) {
+  auto site = DebrisSite::create({Vec3(-half), Vec3(half)}, bone_from_index, {Vec3i(0), Vec3i(41)}, cell, down);
   REQUIRE(site);
   return std::move(*site);
 }

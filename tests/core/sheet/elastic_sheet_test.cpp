@@ -154,6 +154,54 @@ TEST_CASE("sheet: under tension a small pressure deflects it by q R^2 / (4 T), w
   }
 }
 
+TEST_CASE("sheet: half the tension is twice the deflection by a small pressure, q R^2 / (4 T)") {
+  for (const double tension : {0.01, 0.02, 0.04}) {
+    SheetConfig config = bare();
+    config.tension = tension;
+    config.thickness = 0.02e-3;
+    ElasticSheet sheet = flat(config, 0.8e-3);
+    settle(sheet, {.pressure = 1.0});
+    const double r = clamped_radius(sheet.lattice()), force = config.modulus * config.thickness * tension / (2.0 / 3.0);
+    CHECK(std::abs(middle(sheet) * 4.0 * force / (r * r) - 1.0) < 2.0 * 0.25 * 0.8e-3 / kRadius + 0.005);  // as above
+  }
+}
+
+TEST_CASE("sheet: on a body below alone it follows a pressure with the time constant resistance / support") {
+  // u = p / g (1 - (1 + g dt / b)^-n) of implicit steps. A step leaves forces of 1e-4 of the load; the sheet itself has no stiffness.
+  for (const double resistance : {1e6, 2e6}) {
+    SheetConfig config = bare();
+    config.modulus = 1.0;
+    config.support = 2e7;
+    config.resistance = resistance;
+    ElasticSheet sheet = flat(config, 0.8e-3);
+    const auto expected = [&](double b, int n) { return 1e4 / 2e7 * (1.0 - std::pow(1.0 + 2e7 * 0.02 / b, -n)); };
+    for (int n = 1; n <= 8; ++n) {
+      (void)sheet.step(0.02, {.pressure = 1e4});
+      CHECK(std::abs(middle(sheet) / expected(resistance, n) - 1.0) < 2e-3);
+      CHECK(std::abs(middle(sheet) / expected(1.2 * resistance, n) - 1.0) > 2e-3);  // sabotage
+    }
+  }
+}
+
+TEST_CASE("sheet: under a pressure away from the bone it comes off at its adhesion and what the body below carries until then") {
+  // A sheet without stiffness moves by u = p / (adhesion / way + support) everywhere: it comes off where u passes the way.
+  for (const double adhesion : {2e3, 5e3, 20e3}) {
+    CAPTURE(adhesion);
+    SheetConfig config;
+    config.strain_limit = 10.0;
+    config.modulus = 1.0;
+    config.adhesion = adhesion;
+    const double limit = adhesion + config.support * config.adhesion_way;
+    for (const double share : {0.98, 1.02}) {
+      ElasticSheet sheet = flat(config, 0.8e-3);
+      for (std::size_t n = 0; n < sheet.lattice().nodes(); ++n) sheet.cover(n, SheetCover::bone);
+      settle(sheet, {});
+      settle(sheet, {.pressure = -share * limit});
+      CHECK((sheet.state().separated > 0.0) == (share > 1.0));
+    }
+  }
+}
+
 TEST_CASE("sheet: a stamp pressed into it meets the derivative of its energy, and the stiffness is that of the force") {
   SheetConfig config;
   config.strain_limit = 1.0;

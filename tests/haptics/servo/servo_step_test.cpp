@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 using namespace burrhole;
@@ -102,6 +103,70 @@ TEST_CASE("ServoStep: the hand receives what effects add to its force, as far as
   }
   servo();
   CHECK(hand.added_before_apply == Vec3(0.0));
+}
+
+TEST_CASE(
+    "ServoStep: of a force that a limit shortens or delays the hand receives the part that effects added, and the rest is contact's") {
+  struct Shown {
+    Vec3 contact{0.0}, added{0.0}, reported{0.0}, force{0.0};
+  };
+  const auto run = [](const ServoConfig& config, int ticks, const std::function<void(int, Shown&)>& wanted,
+                      const std::function<void(int, const Shown&)>& check) {
+    RecordingHand hand;
+    TripleBuffer<ContactState> contact;
+    TripleBuffer<HandState> out;
+    ServoStep servo{config, hand, contact, out};
+    for (int n = 0; n < ticks; ++n) {
+      Shown now;
+      wanted(n, now);
+      ContactState state;
+      state.number = static_cast<std::uint64_t>(n) + 1;
+      state.on_hand.force = now.contact;
+      contact.publish(state);
+      servo.sense();
+      servo.act(now.added);
+      now.reported = hand.added_before_apply;
+      now.force = hand.force;
+      check(n, now);
+      if (n == 60 && config.soft_start > 0.0) servo.restart();
+    }
+  };
+  // A cap of 10 N on 12 and 4 N: of each five eighths.
+  run(
+      {.largest_force = 10.0, .soft_start = 0.0}, 5,
+      [](int, Shown& now) {
+        now = {{0.0, 0.0, 12.0}, {0.0, 0.0, 4.0}, {}, {}};
+      },
+      [](int, const Shown& now) {
+        CHECK(glm::length(now.reported - 0.625 * now.added) < 1e-14);
+        CHECK(glm::length(now.force - now.reported - 0.625 * now.contact) < 1e-14);
+        CHECK(glm::length(now.force - now.added - 0.625 * now.contact) > 1.0);  // sabotage: what was added before the cap
+      });
+  // A slew limit of 1 N a tick: effects push across a contact that is steady; its part of the force does not change as theirs comes and goes.
+  run(
+      {.largest_slew = 1000.0, .soft_start = 0.0}, 60,
+      [](int n, Shown& now) {
+        now = {{2.0, 0.0, 0.0}, {0.0, n >= 10 && n < 30 ? 4.0 : 0.0, 0.0}, {}, {}};
+      },
+      [](int n, const Shown& now) {
+        if (n < 5) return;
+        const double part = n < 10 ? 0.0 : n < 30 ? std::min(4.0, n - 9.0) : std::max(0.0, 33.0 - n);
+        CHECK(glm::length(now.reported - Vec3(0.0, part, 0.0)) < 1e-12);
+        CHECK(glm::length(now.force - now.reported - now.contact) < 1e-12);
+      });
+  // With every limit, two parts that stay in proportion are shown in proportion, through a restart too.
+  bool limited = false;
+  run(
+      {.largest_force = 10.0, .largest_slew = 400.0, .soft_start = 0.02}, 120,
+      [](int n, Shown& now) {
+        const Vec3 all = 16.0 * Vec3(std::sin(0.1 * n), std::cos(0.07 * n), 1.0);
+        now = {0.75 * all, 0.25 * all, {}, {}};
+      },
+      [&limited](int, const Shown& now) {
+        CHECK(glm::length(now.reported - 0.25 * now.force) < 1e-13);
+        limited = limited || glm::length(now.force - now.contact - now.added) > 1.0;
+      });
+  CHECK(limited);
 }
 
 TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, at once and for good") {

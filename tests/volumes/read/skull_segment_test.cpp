@@ -229,6 +229,26 @@ TEST_CASE("segment: soft tissue lies outside, dura and brain inside, and air has
   CHECK(segment.facts().cavity > cavity * std::pow(33.0 / 38.0, 3));
 }
 
+TEST_CASE("segment: a headrest round the skull encloses nothing, though there is more space between the two than in the skull") {
+  const Skull skull;
+  Scan scan = scan_skull(skull, devices()[0].scanner);
+  const auto alone = SkullSegment::find(scan, 0.0, kSurfaceHu, {});
+  const VoxelBox all{Vec3i(0), scan.dims};
+  for_each_voxel(all, [&](const Vec3i& v) {
+    const Vec3i last = scan.dims - 1 - v;
+    if (std::min({v.x, v.y, last.x, last.y}) < 2) scan.values[all.offset_of(v)] = 1000.0f;  // four walls, 4 mm beyond the skin
+  });
+  const auto segment = SkullSegment::find(scan, 0.0, kSurfaceHu, {});
+  CHECK(segment.facts().cavity == alone.facts().cavity);
+  CHECK(segment.facts().layered_share == doctest::Approx(alone.facts().layered_share).epsilon(0.02));
+  for (const double depth : {-7.0, -3.0, 1.0, 3.9, 6.3, 10.0, 30.0}) {
+    CAPTURE(depth);
+    const bool solid = depth > 0.0 && depth < 7.0;
+    const Vec3 at = (skull.radius - depth * kMm) * glm::normalize(Vec3(0.3, -0.5, 0.8));
+    CHECK(segment.label(at, solid) == alone.label(at, solid));
+  }
+}
+
 TEST_CASE("segment: no skull is found in a scan without a cavity, and bone then has one label") {
   Scan scan;
   scan.quantity = Quantity::hounsfield;
