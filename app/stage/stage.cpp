@@ -183,7 +183,7 @@ Status Stage::bind() {
   graph.reads(Clock::simulation, slots::kRemoval);
   bone_slot_ = graph.is_read(slots::kBone.name) ? graph.provide(Clock::simulation, slots::kBone) : nullptr;
   added_force_ = graph.is_written(slots::kAddedForce.name) ? graph.find(slots::kAddedForce) : nullptr;
-  if (added_force_ != nullptr) hand->watch_drill();
+  if (added_force_ != nullptr || contact->bone_moves()) hand->watch_drill();
   contact->bind();
   bone->bind();
   if (bone->axis() != nullptr && graph.is_read(slots::kTouch.name))

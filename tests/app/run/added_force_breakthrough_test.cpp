@@ -113,9 +113,11 @@ TEST_CASE("hand: where [motion] hides from it that bone is left, a force that sh
       "motion.key=[{time_s=0},{time_s=6},{time_s=6.2,translation_mm=[0,0,-2]},{time_s=8,translation_mm=[0,0,-2]},{time_s=8.2}]";
   CHECK(in_bone({kDrilling, "motion={}"}) == 0);
   CHECK(in_bone({kDrilling, kMoves}) == 0);
+  CHECK(in_bone({kMoves}) == 0);
   // Sabotage: its own acceleration ends the run, that by the force and that by the bone.
   CHECK(in_bone({kDrilling, "motion={}"}, false) == 1);
   CHECK(in_bone({kDrilling, kMoves}, false) == 1);
+  CHECK(in_bone({kMoves}, false) == 1);
 }
 
 TEST_CASE("hand: one that takes all that it feels for bone stops in the diploe, and detects the exit later") {
