@@ -10,6 +10,9 @@ layout(location = 1) in vec3 world_position;
 layout(location = 2) in vec4 color;   // a: shine
 layout(location = 3) in float unlit;   // share of the colour that light does not change
 layout(location = 0) out vec4 picture;
+#ifdef WET
+#include "room.glsl"
+#endif
 #ifdef LAYER
 layout(binding = 4) uniform sampler2D hit_depth;   // of raycast.frag: the bone, which is drawn in a picture of its own
 #endif
@@ -30,14 +33,21 @@ void main() {
   vec3 n = normalize(world_normal);
   n = dot(n, to_eye) < 0.0 ? -n : n;
 #ifdef CUT
-  // Of a closed body the inner side is seen through the cut alone, so it shows the section.
+  // Of a closed body the inner side is seen through the cut alone, so it shows the section, which is dull.
   if (!gl_FrontFacing) n = cut.xyz;
+  float shine = gl_FrontFacing ? color.a : 0.0;
+#else
+  float shine = color.a;
 #endif
   vec3 shown = color.rgb * (light_terms.x + light_terms.y * max(dot(n, light.xyz), 0.0) + light_terms.z * max(dot(n, to_eye), 0.0));
   // A tight highlight of the film of fluid over a broad one of the uneven tissue below it.
   float towards = max(dot(n, normalize(light.xyz + to_eye)), 0.0) * step(0.0, dot(n, light.xyz));
-  shown += color.a * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
-  shown += color.a * 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // the film mirrors the room at grazing angles
+  shown += shine * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
+#ifdef WET
+  shown += shine * room_mirrored(n, to_eye);
+#else
+  shown += shine * 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // a moist surface at grazing angles
+#endif
   shown = mix(rolled_off(shown), color.rgb, unlit);
 #ifdef FOG
   shown = fogged(shown, 1.0 / gl_FragCoord.w);

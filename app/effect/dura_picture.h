@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "app/effect/dura_rent.h"
 #include "app/view/added_mesh.h"
 #include "core/sheet/elastic_sheet.h"
 
@@ -24,19 +25,17 @@ class DuraPicture final : public PictureSource, public SoftTop {
   [[nodiscard]] Bounds extent() const override { return extent_; }
 
  private:
-  [[nodiscard]] bool is_whole(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept;
-  template <class F>
-  void for_each_triangle(F&& f) const;
-  void find_normals();
+  void find_shape(const DuraRent& rent);
   void lower_soft(const std::vector<double>& wanted, double seen);
 
   const ElasticSheet* sheet_;
   Pose bone_from_sheet_, sheet_from_bone_;
   double thickness_, edge_;
-  std::vector<Vec3> x_, normals_;     // [m], [-] of the last copy, sheet frame
-  std::vector<std::uint8_t> broken_;  // edges of the last copy
-  std::vector<double> top_;           // [m] z below which soft tissue is shown at each node
-  bool exact_ = false;                // so was the last copy
+  std::vector<Vec3> x_;                // [m] of the last copy, sheet frame
+  std::vector<Vec3> shape_, normals_;  // [m], [-] as drawn: x_ without the nodes that a rent has cut out
+  std::vector<std::uint8_t> broken_;   // edges of the last copy
+  std::vector<double> top_;            // [m] z below which soft tissue is shown at each node
+  bool exact_ = false;                 // so was the last copy
   Bounds changed_ = Bounds::none(), extent_ = Bounds::none();
 };
 

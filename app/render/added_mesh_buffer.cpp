@@ -61,6 +61,7 @@ Result<AddedMeshBuffer> AddedMeshBuffer::create(const GladGLContext& gl, const A
   AddedMeshBuffer made;
   made.gl_ = &gl;
   made.version_ = version;
+  made.is_wet_ = std::ranges::any_of(mesh.colors, [](const Rgba8& color) { return color.a >= kLeastWet; });
   made.index_count_ = static_cast<GLsizei>(3 * mesh.triangles.size());
   Bounds bounds = Bounds::none();
   for (const glm::vec3& p : mesh.vertices) bounds.include(Vec3(p));

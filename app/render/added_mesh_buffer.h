@@ -18,6 +18,10 @@ class AddedMeshBuffer {
   /// not enough memory.
   [[nodiscard]] static Result<AddedMeshBuffer> create(const GladGLContext& gl, const AddedMesh& mesh, std::uint64_t version);
   void draw() const;
+  /// Shine from which a vertex is under a film of fluid, which mirrors the room.
+  static constexpr std::uint8_t kLeastWet = 128;
+  /// @returns whether a vertex has it: otherwise the program that draws the mesh has no room.
+  [[nodiscard]] bool is_wet() const noexcept { return is_wet_; }
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
   /// @returns the corners of its bounding box [m] in the world.
   [[nodiscard]] std::array<Vec3, 8> corners_at(const Pose& world_from_bone) const noexcept;
@@ -26,6 +30,7 @@ class AddedMeshBuffer {
   const GladGLContext* gl_ = nullptr;
   GlObject array_, vertices_, indices_;
   GLsizei index_count_ = 0;
+  bool is_wet_ = false;
   std::uint64_t version_ = 0;
   std::array<Vec3, 8> corners_{};
 };

@@ -190,7 +190,8 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   std::vector<ShaderVariant> asked{background_variant(), tool_variant(has_surface() ? ToolPass::layer : ToolPass::picture)};
   for (const bool cut : {false, true}) {
-    asked.push_back(added_variant({.pass = has_surface() ? ToolPass::layer : ToolPass::picture, .cut = cut}));
+    for (const bool wet : {false, true})
+      asked.push_back(added_variant({.pass = has_surface() ? ToolPass::layer : ToolPass::picture, .cut = cut, .wet = wet}));
     if (options.mesh) {
       asked.push_back(bone_mesh_variant(cut, false));
       continue;
@@ -231,7 +232,7 @@ Status Renderer::Impl::prepare(GlTarget& into, GlTarget* spare, int width, int h
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool with_stale) {
   auto out = find_bone_programs(cut, pass, with_stale);
   if (!out || !added) return out;
-  const auto found = programs.find_or_link(added_variant({.pass = pass, .cut = cut, .fog = has_fog}));
+  const auto found = programs.find_or_link(added_variant({.pass = pass, .cut = cut, .fog = has_fog, .wet = added->is_wet()}));
   if (!found) return found.error();
   out->added = found.value();
   return out;

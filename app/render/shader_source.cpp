@@ -162,6 +162,7 @@ ShaderVariant added_variant(const AddedChoice& choice) {
   add_define(variant, choice.pass == ToolPass::probe, "PROBE", "_probe");
   add_define(variant, choice.pass == ToolPass::layer, "LAYER", "_layer");
   add_define(variant, choice.fog, "FOG", "_fog");
+  add_define(variant, choice.wet, "WET", "_wet");
   return variant;
 }
 
@@ -285,7 +286,8 @@ std::vector<ShaderVariant> all_shader_variants() {
                                      .exterior = bit(bits, 5),
                                      .interior = bit(bits, 6)}));
   for (const ToolPass pass : {ToolPass::picture, ToolPass::probe, ToolPass::layer})
-    for (unsigned bits = 0; bits < 4; ++bits) variants.push_back(added_variant({.pass = pass, .cut = bit(bits, 0), .fog = bit(bits, 1)}));
+    for (unsigned bits = 0; bits < 8; ++bits)
+      variants.push_back(added_variant({.pass = pass, .cut = bit(bits, 0), .fog = bit(bits, 1), .wet = bit(bits, 2)}));
   add_fog_variants(options(kDefault), options(kAllOptions), variants);
   return variants;
 }

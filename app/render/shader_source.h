@@ -94,6 +94,7 @@ struct AddedChoice {
   ToolPass pass = ToolPass::picture;
   bool cut = false;
   bool fog = false;
+  bool wet = false;  ///< part of it mirrors the room
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);

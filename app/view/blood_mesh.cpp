@@ -6,13 +6,15 @@
 #include <numbers>
 #include <optional>
 
+#include "app/view/blood_film.h"
 #include "app/view/tissue_texels.h"
 #include "core/base/trilinear.h"
 
 namespace burrhole {
 namespace {
 
-constexpr Vec3 kPoolColor(0.34, 0.012, 0.02), kBeadColor(0.50, 0.02, 0.03), kPaleColor(0.78, 0.42, 0.38), kWaxColor(0.90, 0.85, 0.72);
+constexpr Vec3 kPoolColor(0.27, 0.008, 0.014), kBeadColor(0.50, 0.02, 0.03), kPaleColor(0.78, 0.42, 0.38);
+constexpr Vec3 kThinColor(0.60, 0.05, 0.05), kThickColor(0.38, 0.01, 0.02), kWaxColor(0.90, 0.85, 0.72), kWaxEdge(0.84, 0.77, 0.64);
 constexpr std::uint8_t kWet = 255, kDull = 40;   // shine
 constexpr float kLeastPores = 0.3f;              // [-] share below which a bead is too small to see
 constexpr double kRise = 0.3e-3, kDip = 0.2e-3;  // [m] of the surface where a wall stands beside it; below the level at a brim
@@ -23,11 +25,12 @@ constexpr double kInto = 1.5;                    // [pitches] to the last place 
 constexpr double kWallLevel = 0.6;               // [-] density at the edge of the surface, a little in the bone
 constexpr double kWave = 3e-5, kWaves = 1.1e3;   // [m], [1/m] of ripples on the surface, which make it shine
 constexpr double kFar = 1e9;                     // [m]
-constexpr double kFilmHeight = 0.07, kDropHeight = 0.45;  // [-] of its radius
-constexpr double kRim = -0.5;                             // [-] of its height, of the rim of a patch: in the bone
-constexpr int kSides = 8;                                 // of a patch of film or a drop
-constexpr unsigned kDropOf = 23, kRunOf = 61;             // [patches] of which one carries a drop, and one starts a run
-constexpr int kMostRun = 90, kAcross = 5;                 // places along a run, points across it
+constexpr double kDropHeight = 0.45;             // [-] of its radius
+constexpr double kRim = -0.5;                    // [-] of its height, of the rim of a drop: in the bone
+constexpr int kSides = 8;                        // of a drop
+constexpr unsigned kDropOf = 37, kRunOf = 61;    // [voxels with pores] of which one carries a drop, and one starts a run
+constexpr int kMostRun = 90, kAcross = 5;        // places along a run, points across it
+constexpr double kDryLeast = 1.5, kWetLeast = 0.12;  // [-] of blood at the edge of a film, where there is hardly any, and at most
 
 Rgba8 rgba(const Vec3& color, std::uint8_t shine) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z), shine}; }
 
@@ -73,26 +76,48 @@ class BloodShape {
     }
   }
 
+  /// Blood or wax on the pores as layers.
+  void append_films() {
+    std::vector<float> bleeding(picture_.pore_area.size(), 0.0f), waxed = bleeding;
+    for (std::size_t n = 0; n < bleeding.size(); ++n)
+      if (picture_.pore_area[n] > 0.0f && bone_.pores[n] >= kLeastPores) (picture_.waxed[n] != 0 ? waxed : bleeding)[n] = bone_.pores[n];
+    append_film(bone_, density_, waxed,
+                {.least = 0.22,
+                 .ragged = 0.1,
+                 .lift = 0.5,
+                 .uneven = 4e-5,
+                 .dry_below = -kFar,
+                 .thin_color = kWaxEdge,
+                 .thick_color = kWaxColor,
+                 .shine = kDull},
+                out_);
+    if (picture_.wetness <= 0.0) return;
+    append_film(bone_, density_, bleeding,
+                {.least = glm::mix(kDryLeast, kWetLeast, std::sqrt(picture_.wetness)),
+                 .ragged = 0.12,
+                 .lift = 0.3,
+                 .uneven = 2e-5,
+                 .dry_below = picture_.blood > 0.0 ? picture_.level : -kFar,
+                 .thin_color = kThinColor,
+                 .thick_color = kThickColor,
+                 .shine = kWet},
+                out_);
+  }
   void append_beads() {
+    if (picture_.wetness <= 0.0) return;
     for_each_voxel(bone_.box, [&](const Vec3i& voxel) {
       const std::size_t at = bone_.box.offset_of(voxel);
-      if (!(picture_.pore_area[at] > 0.0f) || bone_.pores[at] < kLeastPores) return;
+      if (!(picture_.pore_area[at] > 0.0f) || bone_.pores[at] < kLeastPores || picture_.waxed[at] != 0) return;
+      const unsigned dice = scatter(voxel);
+      const bool drips = dice % kDropOf == 0, runs = picture_.wetness >= kRunWetness && dice / 1024 % kRunOf == 0;
+      if (!drips && !runs) return;
       const auto place = surface_near(bone_.bone_from_index * Vec3(voxel));
       if (!place || voxel_of(index_from_bone_ * place->at) != voxel) return;
       const double size = edge_ * (0.55 + 0.65 * static_cast<double>(bone_.pores[at]));
-      if (picture_.waxed[at] != 0) {
-        append_patch(*place, 1.5 * size, 0.2, rgba(kWaxColor, kDull));
-        return;
-      }
       if (height(place->at) < picture_.level && picture_.blood > 0.0) return;  // under the pool
-      if (picture_.wetness <= 0.0) return;
-      const unsigned dice = scatter(voxel);
       const double swollen = size * (0.55 + 0.6 * std::sqrt(picture_.wetness));
-      append_patch(*place, swollen, kFilmHeight, rgba(kBeadColor * shade(place->at), kWet));
-      if (dice % kDropOf == 0)
-        append_patch(*place, swollen * (0.7 + 0.6 * (dice / 64 % 16) / 16.0), kDropHeight, rgba(kBeadColor * 0.85, kWet));
-      if (picture_.wetness >= kRunWetness && dice / 1024 % kRunOf == 0)
-        append_run(*place, edge_ * (0.9 + 0.9 * (dice / 64 % 16) / 16.0), dice);
+      if (drips) append_drop(*place, swollen * (0.7 + 0.6 * (dice / 64 % 16) / 16.0), kDropHeight, rgba(kBeadColor * 0.85, kWet));
+      if (runs) append_run(*place, edge_ * (0.9 + 0.9 * (dice / 64 % 16) / 16.0), dice);
     });
   }
   void append_pool();
@@ -122,16 +147,12 @@ class BloodShape {
     }
     return Place{p, normal};
   }
-  /// Slow change of colour over the wall, so that the film has no pattern of voxels.
-  [[nodiscard]] static double shade(const Vec3& p) {
-    return 0.9 + 0.1 * std::sin(1900.0 * p.x + 700.0 * p.z) * std::sin(1500.0 * p.y - 1100.0 * p.z);
-  }
   void add(const Vec3& p, const Rgba8& color) {
     out_.vertices.emplace_back(p);
     out_.colors.push_back(color);
   }
-  /// A flat cap on the surface; its rim is in the bone.
-  void append_patch(const Place& place, double radius, double flat, const Rgba8& color) {
+  /// A cap on the surface; its rim is in the bone.
+  void append_drop(const Place& place, double radius, double flat, const Rgba8& color) {
     const auto first = static_cast<std::uint32_t>(out_.vertices.size());
     const Vec3 aside = glm::normalize(std::abs(place.normal.z) < 0.7 ? glm::cross(place.normal, Vec3(0.0, 0.0, 1.0))
                                                                      : glm::cross(place.normal, Vec3(1.0, 0.0, 0.0)));
@@ -352,6 +373,7 @@ void BloodShape::append_sheet(const PoolLattice& pool, const Rgba8& color, bool 
 
 void append_blood(const SiteBone& bone, const BloodPicture& picture, AddedMesh& out) {
   BloodShape shape(bone, picture, out);
+  shape.append_films();
   shape.append_beads();
   shape.append_pool();
 }

@@ -3,8 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "app/effect/dura_looks.h"
+#include "app/effect/dura_rent.h"
 
 namespace burrhole::test {
 namespace {
@@ -161,25 +165,153 @@ TEST_CASE("dura picture: an exact copy is that of a whole new picture, whatever 
   CHECK_FALSE(picture.copy_for_picture(true));
 }
 
-TEST_CASE("dura picture: a tear is a gap with walls, over brain that lies deeper") {
-  SheetConfig config;
-  config.strain_limit = 0.05;
-  ElasticSheet sheet = dome(config);
-  DuraPicture picture(sheet, kPlace, kThickness, kVoxel);
-  (void)picture.copy_for_picture(false);
-  const std::size_t whole = mesh_of(picture).triangles.size();
-  for (double depth = 0.0; depth < 4e-3; depth += 0.2e-3) press(sheet, depth, 0.6e-3);
-  REQUIRE(sheet.state().torn > 2);
-  CHECK(picture.copy_for_picture(false));
-  const AddedMesh torn = mesh_of(picture);
-  CHECK(torn.triangles.size() < whole);
-  CHECK(open_edges(torn) == 0);
-  for (std::size_t e = 0; e < sheet.lattice().edges().size(); ++e) {
-    if (!sheet.is_broken(e)) continue;
-    const SheetEdge& edge = sheet.lattice().edges()[e];
-    const Vec3 middle = 0.5 * (sheet.rest(edge.a) + sheet.rest(edge.b));
-    CHECK(picture.shown(kPlace * (middle - Vec3(0.0, 0.0, kThickness)), kVoxel) == 0.0);
+namespace {
+
+/// A dome that a pin has torn, and its picture.
+struct Torn {
+  Torn() : sheet(dome({.strain_limit = 0.05})), picture(sheet, kPlace, kThickness, kVoxel) {
+    (void)picture.copy_for_picture(false);
+    whole = mesh_of(picture);
+    for (double depth = 0.0; depth < 4e-3; depth += 0.2e-3) press(sheet, depth, 0.6e-3);
+    REQUIRE(sheet.state().torn > 2);
+    CHECK(picture.copy_for_picture(false));
+    all = mesh_of(picture);
   }
+  ElasticSheet sheet;
+  DuraPicture picture;
+  AddedMesh whole{}, all{};
+};
+
+bool is_brain(const AddedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) { return mesh.colors[triangle[0]].a == kBrainShine; }
+
+AddedMesh part_of(const AddedMesh& mesh, bool brain) {
+  AddedMesh out = mesh;
+  std::erase_if(out.triangles, [&](const auto& triangle) { return is_brain(mesh, triangle) != brain; });
+  return out;
+}
+
+/// Whether a triangle lies over or under a point, along z of the sheet.
+bool covers(const AddedMesh& mesh, const Vec3& p) {
+  const auto side = [&](const Vec3& a, const Vec3& b) { return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x); };
+  return std::ranges::any_of(mesh.triangles, [&](const auto& t) {
+    const Vec3 a = kPlace.inverse() * Vec3(mesh.vertices[t[0]]), b = kPlace.inverse() * Vec3(mesh.vertices[t[1]]),
+               c = kPlace.inverse() * Vec3(mesh.vertices[t[2]]);
+    const double u = side(a, b), v = side(b, c), w = side(c, a);
+    return (u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0);
+  });
+}
+
+/// The largest angle [deg] between the normals of a triangle and of its corners, which light is computed with, within `reach` of the middle of the
+/// sheet. A normal is the mean over the triangles at a vertex, as the renderer has it. 90 degrees and more: a face is lit from its wrong side.
+double sharpest(const AddedMesh& mesh, double reach) {
+  const auto normal_of = [&](const auto& t) {
+    const Vec3 a(mesh.vertices[t[0]]);
+    return glm::cross(Vec3(mesh.vertices[t[1]]) - a, Vec3(mesh.vertices[t[2]]) - a);
+  };
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3(0.0));
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t n : t) normals[n] += normal_of(t);
+  double least = 1.0;
+  for (const auto& t : mesh.triangles) {
+    if (glm::length(Vec3(mesh.vertices[t[0]]) - kPlace.translation) > reach) continue;
+    for (const std::uint32_t n : t) least = std::min(least, glm::dot(glm::normalize(normal_of(t)), glm::normalize(normals[n])));
+  }
+  return std::acos(least) * 180.0 / 3.14159265358979;
+}
+
+/// Places with several vertices of different normals, within `reach` of the middle: creases, where light jumps.
+int creases(const AddedMesh& mesh, double reach) {
+  std::map<std::array<float, 3>, std::uint32_t> first;
+  std::vector<std::uint8_t> used(mesh.vertices.size(), 0);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t n : t) used[n] = 1;
+  int out = 0;
+  for (std::uint32_t n = 0; n < mesh.vertices.size(); ++n) {
+    const glm::vec3& v = mesh.vertices[n];
+    if (used[n] == 0 || glm::length(Vec3(v) - kPlace.translation) > reach) continue;
+    out += first.try_emplace({v.x, v.y, v.z}, n).second ? 0 : 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("dura picture: a rent is a gap in a closed shell, over brain that lies deeper and reaches under its edge") {
+  const Torn torn;
+  const AddedMesh shell = part_of(torn.all, false), brain = part_of(torn.all, true);
+  CHECK(open_edges(shell) == 0);
+  CHECK(volume_of(shell) < volume_of(torn.whole));
+  REQUIRE_FALSE(brain.triangles.empty());
+  CHECK(part_of(torn.whole, true).triangles.empty());
+  CHECK(torn.all.colors.size() == torn.all.vertices.size());
+  int gaps = 0;
+  for (std::size_t e = 0; e < torn.sheet.lattice().edges().size(); ++e) {
+    if (!torn.sheet.is_broken(e)) continue;
+    const SheetEdge& edge = torn.sheet.lattice().edges()[e];
+    const Vec3 middle = 0.5 * (torn.sheet.rest(edge.a) + torn.sheet.rest(edge.b));
+    CHECK(torn.picture.shown(kPlace * (middle - Vec3(0.0, 0.0, kThickness)), kVoxel) == 0.0);
+    CHECK(covers(torn.whole, middle));
+    CHECK(covers(brain, middle));
+    gaps += covers(shell, middle) ? 0 : 1;
+  }
+  CHECK(gaps > 2);
+  // The brain lies below the inner face everywhere, and below its voxels nowhere within the gap.
+  for (const auto& t : brain.triangles) {
+    const Vec3 p = kPlace.inverse() * Vec3(brain.vertices[t[0]]);
+    CHECK(p.z < -kThickness);
+    if (!covers(shell, p)) CHECK(torn.picture.shown(kPlace * p, kVoxel) == 0.0);
+  }
+}
+
+TEST_CASE("dura picture: light runs round the edge of a rent: no crease, and no normal far from its faces; a square edge is noticed") {
+  const Torn torn;
+  const AddedMesh shell = part_of(torn.all, false);
+  constexpr double kWithin = 6e-3;  // [m] the rim of the sheet, which is cut square, lies at 8 mm
+  CHECK(creases(shell, kWithin) == 0);
+  // A lip is a half circle in 5 parts: its faces turn by 36 degrees. At its ends, and across a corner of the edge, a normal is a mean of faces that
+  // differ by twice that.
+  CHECK(sharpest(shell, kWithin) < 75.0);
+  // The sabotage: faces that share no vertex, as flat strips; and a vertex moved through the shell.
+  AddedMesh strips = shell;
+  for (auto& t : strips.triangles)
+    for (std::uint32_t& n : t) {
+      strips.vertices.push_back(glm::vec3(strips.vertices[n]));
+      n = static_cast<std::uint32_t>(strips.vertices.size() - 1);
+    }
+  CHECK(creases(strips, kWithin) > 100);
+  AddedMesh dented = shell;
+  dented.vertices[dented.triangles[dented.triangles.size() / 2][0]] -= glm::vec3(kPlace.rotate(Vec3(0.0, 0.0, 2.0 * kThickness)));
+  CHECK(sharpest(dented, kWithin) > 75.0);
+}
+
+TEST_CASE("dura rent: where all is torn the opening is 1, its slope is its derivative, and what no edge holds has its neighbours' motion") {
+  auto lattice = SheetLattice::create(6e-3, 1e-3);
+  REQUIRE(lattice);
+  std::vector<std::uint8_t> broken(lattice->edges().size(), 0);
+  CHECK(DuraRent(*lattice, broken).empty());
+  for (std::size_t e = 0; e < broken.size(); ++e) {
+    const SheetEdge& edge = lattice->edges()[e];
+    const auto within = [&](std::uint32_t n) { return std::hypot(lattice->x(n), lattice->y(n)) < 2.6e-3; };
+    broken[e] = within(edge.a) || within(edge.b) ? 1 : 0;
+  }
+  const DuraRent rent(*lattice, broken);
+  std::vector<Vec3> moved(lattice->nodes(), Vec3(0.0, 0.0, 1e-3));
+  std::size_t lost = 0;
+  for (std::uint32_t n = 0; n < moved.size(); ++n)
+    if (!rent.is_held(n)) moved[n] = Vec3(7.0), ++lost;
+  CHECK(lost > 10);
+  rent.fill_lost(moved);
+  for (const Vec3& m : moved) CHECK(glm::length(m - Vec3(0.0, 0.0, 1e-3)) < 1e-5);  // 40 sweeps over four rings
+  // The sum over a lattice is the integral but for its first harmonic, 4 pi / (sqrt(3) s): below exp(-(7.26 x 0.42)^2 / 2) = 1 %, six of them.
+  for (double x = -0.9e-3; x < 0.9e-3; x += 0.13e-3) {
+    const glm::dvec2 p(x, 0.4 * x);
+    CHECK(rent.at(p).share == doctest::Approx(1.0).epsilon(0.06));
+    const glm::dvec2 edge = p + glm::dvec2(2.8e-3, 0.0);
+    const double h = 1e-7;
+    CHECK((rent.at(edge + glm::dvec2(h, 0.0)).share - rent.at(edge - glm::dvec2(h, 0.0)).share) / (2.0 * h) ==
+          doctest::Approx(rent.at(edge).slope.x).epsilon(0.02));
+  }
+  CHECK(rent.at({5.5e-3, 0.0}).share < 0.01);
 }
 
 }  // namespace burrhole::test

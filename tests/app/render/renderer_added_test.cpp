@@ -1,6 +1,7 @@
 // Triangles that effects add: their colour in closed form, their order with bone, tool and cut, and what of a picture is drawn anew.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -169,6 +170,82 @@ TEST_CASE("added: of a colour the unlit share is shown as it is, in full shade a
   Renderer broken = require_renderer({.shader_folder = changed_shaders("unlit", "added.frag", "color.rgb, unlit)", "color.rgb, 0.0)")});
   REQUIRE(broken.set_volume(ball_on_plate()).ok());
   CHECK(error_in_shade(broken, kHeatUnlit) > 0.5);
+}
+
+namespace {
+
+constexpr std::uint8_t kMoist = 127;  // just not wet
+
+/// As shaders/room.glsl.
+double twin_of_room(const Vec3& way, const Vec3& light) {
+  const auto smooth = [](double lo, double hi, double x) {
+    const double t = std::clamp((x - lo) / (hi - lo), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+  };
+  const double up = glm::dot(way, light);
+  const Vec3 across = std::abs(light.z) < 0.9 ? glm::normalize(glm::cross(Vec3(0.0, 0.0, 1.0), light)) : Vec3(1.0, 0.0, 0.0);
+  const double least = std::max(up, 0.12), x = glm::dot(way, across) / least / 1.1,
+               y = glm::dot(way, glm::cross(light, across)) / least / 1.1;
+  const double far = std::hypot(x - std::floor(x) - 0.5, y - std::floor(y) - 0.5);
+  const double lamps = 14.0 * (1.0 - smooth(0.16, 0.26, far)) + 0.8 * (1.0 - smooth(0.2, 0.5, far));
+  return 0.15 + 0.85 * smooth(-0.3, 0.5, up) + lamps * smooth(0.12, 0.4, up) + 16.0 * smooth(0.965, 0.99, up);
+}
+
+/// The middle pixel of a square of a dark liquid, seen from an elevation [rad].
+Rgba8 shown_liquid(Renderer& renderer, double elevation, std::uint8_t shine, const Vec3& to_light) {
+  REQUIRE(renderer.set_added(square_at({0.0, 0.0, 12e-3}, 3e-3, {20, 20, 20, shine})).ok());
+  FrameView view = view_from_above();
+  view.camera.target = {0.0, 0.0, 12e-3};
+  view.camera.eye = view.camera.target + 0.09 * Vec3(0.0, -std::cos(elevation), std::sin(elevation));
+  view.camera.up = {0.0, 0.0, 1.0};
+  if (elevation > 1.5) view.camera.up = {0.0, 1.0, 0.0};
+  view.light = {.ambient = 0.3, .diffuse = 0.7, .fill = 0.0, .direction_to_light = to_light};
+  return picture_of(renderer, view).pixels[kWidth * (kHeight / 2) + kWidth / 2];
+}
+
+double twin_of_liquid(double elevation, double shine, const Vec3& to_light) {
+  const Vec3 to_eye(0.0, -std::cos(elevation), std::sin(elevation)), light = glm::normalize(to_light);
+  const double towards = glm::normalize(light + to_eye).z, fresnel = 0.022 + 0.978 * std::pow(1.0 - to_eye.z, 5.0);
+  double out = 20.0 / 255.0 * (0.3 + 0.7 * light.z) + shine * 0.7 * (0.45 * std::pow(towards, 90.0) + 0.22 * std::pow(towards, 14.0));
+  out += shine * 0.7 * fresnel * twin_of_room(Vec3(-to_eye.x, -to_eye.y, to_eye.z), light);
+  const double over = std::max(out - 0.7, 0.0);
+  return 255.0 * (std::min(out, 0.7) + 0.3 * over / (0.3 + over));
+}
+
+}  // namespace
+
+TEST_CASE("added: a liquid mirrors the room by Fresnel, from every side, within white; without a film of fluid there is no room") {
+  Renderer renderer = require_renderer();
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  const Vec3 oblique(-0.45, -0.35, 0.8);
+  int brighter = 0;
+  for (const Vec3& light : {oblique, Vec3(0.0, 0.0, 1.0)})
+    for (const double elevation : {0.12, 0.2, 0.35, 0.55, 0.8, 1.1, 1.35}) {
+      CAPTURE(elevation);
+      const Rgba8 wet = shown_liquid(renderer, elevation, 255, light);
+      // One rounding, and the pixel's middle, half a pixel, 1.7 mrad, beside the point of the twin: at the edge of a lamp, 14 over 0.1 of a cell of 1.1,
+      // the room changes by up to 1.5 x 127 a unit, over the square of `up` a radian, times Fresnel's share. Sampled round the point.
+      double lo = 255.0, hi = 0.0;
+      for (const double beside : {-3e-3, 0.0, 3e-3}) {
+        lo = std::min(lo, twin_of_liquid(elevation + beside, 1.0, light));
+        hi = std::max(hi, twin_of_liquid(elevation + beside, 1.0, light));
+      }
+      CHECK(wet.r >= lo - 2.0);
+      CHECK(wet.r <= hi + 2.0);
+      CHECK(wet.r == wet.g);
+      CHECK(wet.r < 255);
+      brighter += wet.r > shown_liquid(renderer, elevation, kMoist, light).r + 5 ? 1 : 0;
+    }
+  CHECK(brighter >= 12);
+  // The sabotage: a film that mirrors alike at all angles differs at grazing ones alone; and a room that is bright, which only what is wet may see.
+  Renderer even = require_renderer({.shader_folder = changed_shaders("fresnel", "room.glsl", "0.978 * pow", "0.0 * pow")});
+  REQUIRE(even.set_volume(ball_on_plate()).ok());
+  CHECK(shown_liquid(renderer, 0.12, 255, oblique).r > shown_liquid(even, 0.12, 255, oblique).r + 10);
+  CHECK(std::abs(shown_liquid(renderer, 1.35, 255, oblique).r - shown_liquid(even, 1.35, 255, oblique).r) <= 1);
+  Renderer bright = require_renderer({.shader_folder = changed_shaders("bright", "room.glsl", "return walls", "return 50.0 + walls")});
+  REQUIRE(bright.set_volume(ball_on_plate()).ok());
+  CHECK(shown_liquid(bright, 0.35, kMoist, oblique) == shown_liquid(renderer, 0.35, kMoist, oblique));
+  CHECK(shown_liquid(bright, 0.35, 255, oblique).r > shown_liquid(renderer, 0.35, 255, oblique).r + 100);
 }
 
 TEST_CASE("added: the nearer of tool and triangles is seen, and the cut clips triangles") {

@@ -176,8 +176,8 @@ TEST_CASE("shaders: every variant compiles and links in the driver") {
   Renderer renderer = require_renderer();
   const Status linked = renderer.link_every_variant();
   CHECK_MESSAGE(linked.ok(), (linked.ok() ? "" : linked.error().text()));
-  // 322 of volumes, tool, skin and background; a mesh has seven options, each on or off; 12 of what effects add.
-  CHECK(all_shader_variants().size() == 322 + 128 + 12);
+  // 322 of volumes, tool, skin and background; a mesh has seven options, each on or off; 24 of what effects add.
+  CHECK(all_shader_variants().size() == 322 + 128 + 24);
 }
 
 TEST_CASE("quality: knobs set later draw what a renderer made with them draws, and bad ones change nothing") {

@@ -120,3 +120,39 @@ TEST_CASE("blood mesh: beads lie on the wall where its pores are, above the pool
   REQUIRE_FALSE(waxed.triangles.empty());
   CHECK(std::ranges::all_of(waxed.colors, [](const Rgba8& c) { return c.g > 150 && c.a < 100; }));
 }
+
+TEST_CASE("blood mesh: a film is one layer on the pores, of their area when all is wet, less when it is drier; wax is a thicker one") {
+  Drawn drawn;
+  // The band of pores, 1 mm wide, without drops and runs: triangles that share no vertex with the first and largest part of the mesh.
+  const auto film_of = [&](double wetness) {
+    const AddedMesh mesh = drawn.mesh(0.0, 0.0, wetness);
+    double area = 0.0;
+    std::size_t outwards = 0, all = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Vec3 p(mesh.vertices[a]), normal = 0.5 * glm::cross(Vec3(mesh.vertices[b]) - p, Vec3(mesh.vertices[c]) - p);
+      if (mesh.colors[a] == mesh.colors[b] && mesh.colors[b] == mesh.colors[c]) continue;  // a drop or a run has one colour
+      area += glm::length(normal);
+      outwards += glm::dot(normal, Vec3(p.x, p.y, 0.0)) < 0.0 ? 1 : 0;
+      ++all;
+    }
+    CHECK(outwards > all * 95 / 100);  // towards the axis: the film faces the hole, its bumps are flat
+    return area;
+  };
+  // The edge lies up to 1.5 voxels beyond the pores, on both sides, and its raggedness takes up to as much.
+  const double band = 2.0 * std::numbers::pi * kRadius * 1e-3, beside = 2.0 * std::numbers::pi * kRadius * 3.0 * kEdge;
+  const double dry = film_of(0.02), half = film_of(0.3), wet = film_of(1.0);
+  CHECK(wet > band - 0.3 * beside);
+  CHECK(wet < band + beside);
+  CHECK(half < wet);
+  CHECK(dry < 0.8 * half);
+  (void)drawn.site.wax(0.5e-3);
+  const AddedMesh waxed = drawn.mesh(0.0, 0.0, 0.0);
+  double farthest = 0.0, nearest = 1.0;
+  for (const glm::vec3& p : waxed.vertices) {
+    farthest = std::max(farthest, std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
+    nearest = std::min(nearest, std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
+  }
+  // Half a voxel over the surface, with bumps of 0.04 mm.
+  CHECK(farthest < kRadius + 0.3 * kEdge);
+  CHECK(nearest > kRadius - 1.2 * kEdge);
+}
