@@ -409,7 +409,7 @@ EffectEntry dura_effect() {
           read,
           {},
           {.figures = {{"indentation_mm", 0.1}, {"peak_force_N", 0.1}, {"largest_strain", 0.01}},
-           .knobs = {{"spacing_mm", {2, 1, 0.6}, 0.35}, {"radius_mm", {0.8, 1}, 1.5}}}};
+           .knobs = {{"spacing_mm", {2, 1, 0.6}, 0.35}, {"radius_mm", {0.8, 1}, 1.2}}}};
 }
 
 }  // namespace burrhole

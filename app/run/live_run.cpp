@@ -20,8 +20,8 @@
 namespace burrhole {
 namespace {
 
-constexpr float kPause = 0.125f;        // pause after a simulation step over the step's time: the step uses at most eight ninths of one core
-constexpr double kContactOffset = 0.3;  // [servo periods] contact starts after the servo has published the hand state
+constexpr float kPause = 0.125f;  // pause after a simulation step over the step's time: the step uses at most eight ninths of one core
+constexpr double kContactOffset = 0.3;          // [servo periods] contact starts after the servo has published the hand state
 constexpr std::uint64_t kMostCatchUp = 4;       // most missed simulation steps that are made up at once; the others are counted as skipped
 constexpr std::uint64_t kMostHandCatchUp = 50;  // most missed ticks by which a simulated hand is advanced at once
 constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop, after which a servo that is still running is stopped

@@ -30,8 +30,8 @@ std::uint64_t window_voxel_bytes(const PlanContext& context) {
   return kMasterVoxelBytes + (context.window_voxels > 0 ? publish_bytes(context) / context.window_voxels : 0);
 }
 
-/// A window round a drilling tool has up to half as many voxels again as one round a tool at rest: 18 and 46 % measured in lockstep. The half is
-/// counted, for which memory is reserved; pages that the window does not reach are not resident, so the prediction lies above.
+/// A window grows while the tool drills: by 18 and 46 % in lockstep. Half is counted, as is reserved; pages that are never touched are not resident,
+/// so the figure is an upper bound.
 std::uint64_t growth_bytes(const PlanContext& context) {
   return (grown_window_voxels(context.window_voxels) - context.window_voxels) * window_voxel_bytes(context);
 }

@@ -74,17 +74,18 @@ class PressedPlanes {
   }
 
   /// @returns the plane without which the energy falls least, with all planes pressed by those forces [N]. Without plane i, of stiffness k
-  /// and row r, its gap grows by 1 / (1 - k r H^-1 r), H the second derivative, and the energy falls by f^2 / 2k times that.
+  /// and row r, its gap grows by 1 / (1 - k r H^-1 r), H the second derivative, and the energy falls by f^2 / 2k times that. Springs stay; the
+  /// number of planes if all are springs.
   [[nodiscard]] std::size_t least_needed(std::span<const HoldPlane> planes) const noexcept {
     const MatrixN<n> matrix = factors();
-    std::size_t least = 0;
+    std::size_t least = count_;
     double falls = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < count_; ++i) {
       if (spring_[i]) continue;
       const VectorN<n> gives = solve_factored(matrix, row_[i]);
       double share = 0.0;
       for (std::size_t k = 0; k < n; ++k) share += stiffness_[i] * row_[i][k] * gives[k];
-      const double by = planes[i].force * planes[i].force / (stiffness_[i] * (1.0 - share));
+      const double by = planes[i].force * planes[i].force / (stiffness_[i] * std::max(1.0 - share, kLeastYield));
       if (!(by < falls)) continue;
       falls = by;
       least = i;
@@ -287,10 +288,13 @@ HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidate
       return move;
     }
     if (count_ == kMaxHoldPlanes) {
-      // It takes the room of the plane that is needed least. If the energy does not rise, that one was needed more: they would take turns.
+      // It takes the room of the plane that is needed least. If the energy does not rise, that one was needed
+      // more: they would take turns. Energies are known to rounding, so kMaxHoldRounds remains the bound.
       const auto kept = planes_;
       const double energy = energy_at(problem, planes(), move);
-      planes_[least_needed(problem, planes())] = *found;
+      const std::size_t least = least_needed(problem, planes());
+      if (least == count_) break;
+      planes_[least] = *found;
       settle(problem);
       if (energy_at(problem, planes(), move_of(problem)) > energy) continue;
       planes_ = kept;

@@ -1,8 +1,9 @@
 /// volumes/read/skull_cavity.h: the space inside a skull in a scan, on cubes of a few millimetres.
 ///   Frame  bone frame.   Units  SI.   Errors  none: a scan without a cavity has no cube of it.   Thread  any, once created.
-///   Source own derivation. Bone is its largest connected part, so that a headrest encloses nothing. A cube without bone is enclosed if bone is met in most of the 26 directions to its neighbours, of those in which
-///          the scan shows it: a direction that leaves the scan through a face with bone is not counted, since the bone is cut there. The
-///          cavity is the largest connected part of the enclosed cubes, of air or of tissue.
+///   Source own derivation. Bone is its largest connected part, so that a headrest encloses nothing. A cube without bone is enclosed if bone is
+///          met in most of the 26 directions to its neighbours, of those in which the scan shows it: a direction that leaves the scan through
+///          a face with bone is not counted, since the bone is cut there. The cavity is the largest connected part of the enclosed cubes, of air
+///          or of tissue.
 #pragma once
 
 #include <cstdint>

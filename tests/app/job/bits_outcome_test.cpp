@@ -21,21 +21,24 @@ namespace {
 struct BitOutcome {
   std::string bit;
   std::string expected;            ///< as --expect writes it
-  std::vector<std::string> flags;  ///< all of them
+  std::vector<std::string> flags;  ///< all but that of degraded contact
+  double most_degraded = 1.0;      ///< [%] of the evaluations of contact
 };
 
 // A bit that leaves bone at once falls until the hand stops it, 5 to 51 mm; one that cuts its rim away at full thrust hardly does.
 const std::vector<BitOutcome> kFlat{
     {"perforator_14_11", "through, plunge<0.1mm, beyond<1.5mm, cleared>95%", {}},
-    {"acosta_liu_perforator", "through, plunge>20mm, cleared>95%", {"plunged", "contact-degraded"}},
+    {"acosta_liu_perforator", "through, plunge>20mm, cleared>95%", {"plunged"}, 5.0},
     {"trephine_12mm", "through, cleared>95%, plunge>5mm, plunge<6mm, beyond<7mm", {"plunged", "core-left"}},
     {"matchstick_burr_3mm", "through, plunge>20mm, cleared>95%", {"plunged"}},
 };
 const std::vector<BitOutcome> kBurrs{
-    {"round_burr_2mm", "through, plunge>20mm, cleared>85%", {"plunged"}},
+    {"round_burr_2mm",
+     "through, plunge>20mm, cleared>85%",
+     {"plunged", "shelf-left"}},  // 88 to 91 % clear, by the last bits: the flag is for 90 %
     {"round_burr_3mm", "through, plunge<0.1mm, beyond<1.5mm, cleared>50%", {"shelf-left"}},
     {"round_burr_4mm", "through, plunge<0.1mm, beyond<2mm, cleared>85%", {}},
-    {"round_burr_5mm", "through, plunge>20mm, cleared>90%", {"plunged"}},  // 0.996 % of its contact is degraded: the flag is for 1 %
+    {"round_burr_5mm", "through, plunge>20mm, cleared>90%", {"plunged"}},
     {"round_burr_6mm", "through, plunge<0.1mm, beyond<3mm, cleared>90%", {}},
     {"acosta_liu_round", "through, plunge>20mm, cleared>90%", {"plunged"}},
 };
@@ -70,7 +73,8 @@ void check(const std::vector<BitOutcome>& rows) {
     const auto terms = parse_expectation(row.expected);
     REQUIRE_MESSAGE(terms.ok(), (terms ? "" : terms.error().text()));
     for (const std::string& line : missed_terms(*terms, *summary)) CHECK_MESSAGE(false, line);
-    CHECK(flag_names(outcome_of(*summary).flags) == row.flags);
+    CHECK(flag_names(outcome_of(*summary).flags & ~kFlagContactDegraded) == row.flags);
+    CHECK(100.0 * static_cast<double>(summary->contact_degraded) <= row.most_degraded * static_cast<double>(summary->contact_evaluations));
     // What is not through, or plunged, is a warning.
     const bool clean = outcome_of(*summary).result == DrillResult::drilled_through && (outcome_of(*summary).flags & kFlagPlunged) == 0;
     CHECK(outcome_warnings(*summary).empty() == clean);

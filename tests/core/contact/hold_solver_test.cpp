@@ -371,24 +371,41 @@ TEST_CASE("hold solver: of a level face of 300 points as many carry load as fit,
   CHECK(solver.rounds() == 0);  // and no plane is searched again
 }
 
+namespace {
+
+/// A level floor of 300 places, which takes all room of the solver with 0.3 N and more a place, and two walls, of the points 300 and 301, whose
+/// normals are 0.2 to 0.4 rad to each side of -x.
+std::vector<HoldPlane> floor_and_walls(std::uint64_t seed) {
+  std::vector<HoldPlane> planes;
+  for (std::uint32_t k = 0; k < 300; ++k) {
+    const double radius = 5e-3 * std::sqrt((k + 0.5) / 300.0), angle = 2.399963 * k;
+    planes.push_back({.arm = radius * Vec3(std::cos(angle), std::sin(angle), 0.0), .yield = 1.4e-7, .point = k});
+  }
+  for (const double side : {-1.0, 1.0}) {
+    const double angle = side * (0.3 + 0.1 * uniform11(seed, static_cast<std::uint64_t>(side + 1.0)));
+    const Vec3 out(std::cos(angle), std::sin(angle), 0.0);
+    planes.push_back({.normal = -out, .arm = 5e-3 * out, .yield = 1.4e-7, .point = static_cast<std::uint32_t>(planes.size())});
+  }
+  return planes;
+}
+
+/// 28 N on the floor.
+HoldProblem pushed_on_floor() {
+  HoldProblem problem = pushed_down();
+  problem.target = Vec3(0.0, 0.0, -5.6e-3);
+  problem.tolerance = 1e-9;
+  return problem;
+}
+
+}  // namespace
+
 TEST_CASE("hold solver: two places of a wall do not take turns for the last room beside a loaded floor") {
-  // The floor takes all room, with 0.3 N and more a place. Then two light walls are to hold the tool aside, with 0.16 N each: with one of
-  // them alone it slides along that one by 1e-5 m, far more than the floor gives way.
+  // Two light walls are to hold the tool aside, with 0.16 N each: with one of them alone it slides along that one by 1e-5 m, far more than the
+  // floor gives way.
   for (std::uint64_t n = 0; n < 40; ++n) {
     CAPTURE(n);
-    std::vector<HoldPlane> planes;
-    for (std::uint32_t k = 0; k < 300; ++k) {
-      const double radius = 5e-3 * std::sqrt((k + 0.5) / 300.0), angle = 2.399963 * k;
-      planes.push_back({.arm = radius * Vec3(std::cos(angle), std::sin(angle), 0.0), .yield = 1.4e-7, .point = k});
-    }
-    for (const double side : {-1.0, 1.0}) {
-      const double angle = side * (0.3 + 0.1 * uniform11(n, static_cast<std::uint64_t>(side + 1.0)));
-      const Vec3 out(std::cos(angle), std::sin(angle), 0.0);
-      planes.push_back({.normal = -out, .arm = 5e-3 * out, .yield = 1.4e-7, .point = static_cast<std::uint32_t>(planes.size())});
-    }
-    HoldProblem problem = pushed_down();
-    problem.target = Vec3(0.0, 0.0, -5.6e-3);  // 28 N
-    problem.tolerance = 1e-9;
+    const std::vector<HoldPlane> planes = floor_and_walls(n);
+    HoldProblem problem = pushed_on_floor();
     HoldSolver solver;
     (void)solved(solver, problem, planes);
     REQUIRE(solver.planes().size() == kMaxHoldPlanes);
@@ -402,5 +419,31 @@ TEST_CASE("hold solver: two places of a wall do not take turns for the last room
     const Vec3 held = wall(300) + wall(301);
     CHECK(std::abs(held.x + problem.stiffness * problem.target.x) < problem.stiffness * 1e-7);
     CHECK(std::abs(held.y) < problem.stiffness * 1e-7);
+  }
+}
+
+TEST_CASE(
+    "hold solver: a place that would raise the energy by less than the one that it replaces lowers it stays out, and the answer is that of "
+    "before") {
+  // 0.3 um into the walls is more than the deepest place of the floor, 0.06 um. To hold the tool there would raise the energy by at most 5 kN/m over
+  // 0.3 um, 2e-10 J; a place of the floor holds at least 0.3^2 x 1.4e-7 / 2 = 6e-9 J.
+  for (std::uint64_t n = 0; n < 40; ++n) {
+    CAPTURE(n);
+    const std::vector<HoldPlane> planes = floor_and_walls(n);
+    HoldProblem problem = pushed_on_floor();
+    HoldSolver solver;
+    (void)solved(solver, problem, planes);
+    REQUIRE(solver.planes().size() == kMaxHoldPlanes);
+    problem.target.x = 3e-7;
+    const HoldMove move = solved(solver, problem, planes);
+    CHECK_FALSE(solver.converged());
+    CHECK(solver.rounds() == 0);  // ended in the first
+    CHECK(solver.planes().size() == kMaxHoldPlanes);
+    CHECK(force_of(solver, 300) == 0.0);
+    CHECK(force_of(solver, 301) == 0.0);
+    CHECK(move.translation.x == doctest::Approx(3e-7).epsilon(1e-6));
+    double force = 0.0;
+    for (const HoldPlane& plane : solver.planes()) force += plane.force;
+    CHECK(force == doctest::Approx(28.0).epsilon(1e-3));
   }
 }
