@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/heat/thermal_dose.h"
 
@@ -60,6 +59,10 @@ void HeatField::set_bone(const VoxelBox& box, std::span<const float> share) {
       balance_.chips += heat * static_cast<double>((before - after) / before);
     } else {
       rise_[here] = static_cast<float>(heat / (unit_ * static_cast<double>(after)));
+      if (slot_[here] != 0) {  // what is back carries nothing away
+        double& cut = heatings_[slot_[here] - 1].share;
+        cut = std::max(0.0, cut - static_cast<double>(after - before));
+      }
     }
   });
 }
@@ -97,6 +100,8 @@ void HeatField::release(double joule) {
   losses_.clear();
 }
 
+// Heat enters through the cut surface, whose area follows from the cells beside: across an axis they differ in what they hold by the part of the face
+// that the surface crosses. Over that area, half the bone of the cell is the way to its mean. A steeper surface is larger, and the way shorter.
 double HeatField::half_resistance(const Vec3i& cell) const noexcept {
   const std::size_t here = domain_.offset_of(cell);
   const double volume = edges_.x * edges_.y * edges_.z;
@@ -210,7 +215,10 @@ void HeatField::step(double dt) {
 
 void HeatField::conduct(double dt) {
   ++steps_;
-  if (warm_.empty()) return;
+  if (warm_.empty()) {
+    removals_.clear();
+    return;
+  }
   const Vec3 lambda = Vec3(config_.diffusivity() * dt) / (edges_ * edges_);
   // A backward step spreads heat as exp(-x / sqrt(lambda)) over x cells: to less than a thousandth beyond this margin.
   const Vec3i margin = 2 + floor_int(7.0 * glm::sqrt(lambda));
@@ -282,13 +290,11 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
         const float implicit_low = n > 0 ? implicit_[line] : (all - explicit_part) * own;
         const float explicit_low = n > 0 ? explicit_[line] : explicit_part * own;
         const bool inside = n + 1 < length;
-        const float next_share = inside       ? share_[at + next]
-                                 : opens_high ? here
-                                              : 0.0f,
-                    next_inverse = inside ? inverse_whole_[at + next] : inverse;
+        const float beyond = opens_high ? here : 0.0f;  // the last cell of the box
+        const float next_share = inside ? share_[at + next] : beyond, next_inverse = inside ? inverse_whole_[at + next] : inverse;
         const float high = joint(here, inverse, next_share, next_inverse);
-        // Backward Euler at cut bone: an explicit part would lead away heat of cutting before it has warmed its cell.
-        const bool whole = here * inverse > kWhole && next_share * next_inverse > kWhole;
+        // Backward Euler between cells of cut bone: an explicit part would lead away heat of cutting before it has warmed its cell.
+        const bool whole = !inside || (here * inverse > kWhole && next_share * next_inverse > kWhole);
         const float explicit_high = whole ? explicit_part * high : 0.0f, implicit_high = all * high - explicit_high;
         const float old_low = n > 0 ? rise_[at - next] : 0.0f, old_high = inside ? rise_[at + next] : 0.0f;
         const float right = here * old - (explicit_low * (old - old_low) + explicit_high * (old - old_high));

@@ -15,20 +15,22 @@ constexpr std::array<Vec3i, 3> kAxes{Vec3i(1, 0, 0), Vec3i(0, 1, 0), Vec3i(0, 0,
 /// The dose on a scale on which it is linear in the temperature: two doublings a degree below 43 C, one above.
 /// A dose of a minute is taken as the border, that of a minute at 43 C.
 double level_of(double minutes) noexcept {
-  const double doublings = std::log2(std::max(minutes, 1e-30));
+  const double doublings = std::log2(minutes);
   return doublings < 0.0 ? 0.5 * doublings : doublings;
 }
 double minutes_of(double level) noexcept { return std::exp2(level < 0.0 ? 2.0 * level : level); }
 
 bool holds(const HeatField& field, const Vec3i& cell) noexcept { return field.share(cell) >= HeatField::kLeastShare; }
+/// Bone without a dose was put back cold or never warmed: its level has no limit below, so no slope leads to it.
+bool has_level(const HeatField& field, const Vec3i& cell) noexcept { return holds(field, cell) && field.dose(cell) > 0.0f; }
 
-/// @returns the slope of the level along an axis [1/cell], from the cells that hold bone.
+/// @returns the slope of the level along an axis [1/cell], from the cells that have one.
 double slope_of(const HeatField& field, const Vec3i& cell, const Vec3i& step) noexcept {
   const double here = level_of(static_cast<double>(field.dose(cell)));
   double rise = 0.0, way = 0.0;
   for (const int side : {-1, 1}) {
     const Vec3i other = cell + step * side;
-    if (!holds(field, other)) continue;
+    if (!has_level(field, other)) continue;
     rise += side * (level_of(static_cast<double>(field.dose(other))) - here);
     way += 1.0 - 0.5 * std::abs(field.filled(other) - field.filled(cell));  // between the middles of their bone
   }
@@ -46,6 +48,9 @@ double part_above(const HeatField& field, const Vec3i& cell, double least) {
     slope[static_cast<int>(axis)] = slope_of(field, cell, kAxes[axis]);
     fuller[static_cast<int>(axis)] = field.filled_beside(cell, cell + kAxes[axis]) - field.filled_beside(cell, cell - kAxes[axis]);
   }
+  const double here = level_of(static_cast<double>(field.dose(cell)));
+  constexpr double kWay = 1.0 - 1.0 / kParts;  // [cells] along an axis, the farthest from the middle of points to one of them
+  if (here + kWay * (std::abs(slope.x) + std::abs(slope.y) + std::abs(slope.z)) < least) return 0.0;
   std::array<Point, kPoints> points;
   for (std::size_t n = 0; n < kPoints; ++n) {
     const auto place = [](std::size_t index) { return (static_cast<double>(index) + 0.5) / kParts - 0.5; };
@@ -56,7 +61,6 @@ double part_above(const HeatField& field, const Vec3i& cell, double least) {
   std::ranges::stable_sort(points, std::greater<>{}, &Point::order);
   Vec3 middle(0.0);
   for (std::size_t n = 0; n < count; ++n) middle += points[n].at / static_cast<double>(count);
-  const double here = level_of(static_cast<double>(field.dose(cell)));
   std::size_t above = 0;
   for (std::size_t n = 0; n < count; ++n) above += here + glm::dot(slope, points[n].at - middle) >= least ? 1 : 0;
   return static_cast<double>(above) / static_cast<double>(count);
@@ -65,12 +69,10 @@ double part_above(const HeatField& field, const Vec3i& cell, double least) {
 }  // namespace
 
 double volume_with_dose(const HeatField& field, double minutes) {
-  constexpr double kFar = 8.0;  // half a cell does not change the level by more
   const double least = level_of(minutes);
   double sum = 0.0;
   for_each_voxel(field.domain(), [&](const Vec3i& cell) {
-    const double dose = static_cast<double>(field.dose(cell));
-    if (!(dose > 0.0) || !holds(field, cell) || level_of(dose) < least - kFar) return;
+    if (!has_level(field, cell)) return;
     sum += static_cast<double>(field.share(cell)) * part_above(field, cell, least);
   });
   return sum * field.edges().x * field.edges().y * field.edges().z;
@@ -96,7 +98,8 @@ double hottest_mean(const HeatField& field, double volume) {
 double dose_at_face(const HeatField& field, const Vec3i& cell, const Vec3i& inwards) {
   const Vec3i next = cell + inwards;
   const double here = static_cast<double>(field.dose(cell));
-  if (!holds(field, next)) return here;
+  if (!(here > 0.0)) return 0.0;
+  if (!has_level(field, next)) return here;
   // a + b x^2, its means over 0 to f and f to f + g: differ by b ((f + g)^3 - f^3) / (3 g) - b f^2 / 3 = b (2 f + g) (f + g) / 3.
   const double f = static_cast<double>(field.share(cell)), g = static_cast<double>(field.share(next));
   const double level = level_of(here), difference = level_of(static_cast<double>(field.dose(next))) - level;

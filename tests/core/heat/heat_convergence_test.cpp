@@ -60,12 +60,7 @@ Column cut(double edge, double tick, double offset, bool at_mean = false) {
   return {in_bone / (edge * edge), dose_at_face(field, Vec3i(0), Vec3i(0, 0, 1)), std::abs(rest) / b.input};
 }
 
-/// The error that is derived [-]. Bone of the thickness d has a parabola of temperature. The field takes it for a line, so bone leaves too warm by
-/// d^2 v q / (6 alpha k), over the rise of a steady cut, q / (rho c v), by (d v / alpha)^2 / 6; d is at most a cell. What bone has too little is what
-/// chips have too much. Half a tick of heat comes too early or too late.
-double derived(const AblationTwin& exact, double edge, double tick) {
-  return exact.chips / exact.in_bone * std::pow(edge * kFeed / HeatConfig{}.diffusivity(), 2.0) / 6.0 + 0.5 * tick * kFlow / exact.in_bone;
-}
+double derived(const AblationTwin& exact, double edge, double tick) { return heat_error(exact, kFlow, kFeed, edge, tick); }
 
 AblationTwin twin() { return ablate(kFlow, kFeed, kLength, kSeconds); }
 

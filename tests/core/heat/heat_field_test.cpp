@@ -261,6 +261,79 @@ TEST_CASE("heat: energy is balanced while bone is drilled, cooled and put back")
   CHECK(field.in_bone() == doctest::Approx(before).epsilon(1e-5));
 }
 
+TEST_CASE("heat: energy is balanced with a cut cell at each of the six faces of the domain, through which heat leaves") {
+  // Floats: 20 steps of 3 sweeps of 10 operations, each rounds by 6e-8 of the largest value.
+  constexpr double kRounding = 20 * 3 * 10 * 6e-8;
+  for (const double fourier : {0.2236, 0.3, 2.0})
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {-1, 1}) {
+        INFO("fourier " << fourier << ", axis " << axis << ", side " << side);
+        HeatField field = full({.fourier = fourier}, 0.5e-3, cube(1));
+        Vec3i cell(0);
+        cell[axis] = side;
+        field.set_bone({cell, cell + 1}, std::vector<float>{0.5f});
+        field.forget_losses();
+        for_each_voxel(cube(1), [&](const Vec3i& at) { field.release_at(at, 1e-3); });
+        for (int n = 0; n < 20; ++n) {
+          field.step(field.longest_step());
+          const HeatBalance& b = field.balance();
+          CHECK(std::abs(b.input - field.in_bone() - b.edge - b.chips) < kRounding * b.input);
+        }
+      }
+}
+
+TEST_CASE("heat: bone that an undo brings back before a step has the temperature of bone that was never cut") {
+  for (const float left : {0.0f, 0.4f}) {
+    HeatField cut = full({}, 0.5e-3, cube(3)), whole = full({}, 0.5e-3, cube(3));
+    const VoxelBox cell{Vec3i(0), Vec3i(1)};
+    cut.set_bone(cell, std::vector<float>{left});
+    cut.release(1e-3);
+    cut.set_bone(cell, std::vector<float>{1.0f});
+    cut.forget_losses();
+    whole.release_at(Vec3i(0), 1e-3);
+    for (int n = 0; n < 3; ++n) {
+      cut.step(cut.longest_step());
+      whole.step(whole.longest_step());
+      for_each_voxel(cube(3), [&](const Vec3i& at) { CHECK(cut.rise(at) == whole.rise(at)); });
+    }
+    CHECK(cut.balance().chips == 0.0);
+  }
+}
+
+TEST_CASE("heat: bone that is put back in part is charged for the part that stays cut") {
+  // Half of the loss is put back: as if a cut of that half had been made at once, with the same heat.
+  HeatField back = full({}, 0.5e-3, cube(3)), once = full({}, 0.5e-3, cube(3));
+  const VoxelBox cell{Vec3i(0), Vec3i(1)};
+  back.set_bone(cell, std::vector<float>{0.5f});
+  back.release(1e-3);
+  back.set_bone(cell, std::vector<float>{0.75f});
+  back.forget_losses();
+  once.set_bone(cell, std::vector<float>{0.75f});
+  once.release(1e-3);
+  for (HeatField* field : {&back, &once}) field->step(field->longest_step());
+  for_each_voxel(cube(3), [&](const Vec3i& at) { CHECK(back.rise(at) == once.rise(at)); });
+  CHECK(back.balance().chips == once.balance().chips);
+  CHECK(once.balance().chips > 0.0);
+}
+
+TEST_CASE("heat: bone that left where no other was takes nothing from bone that is put there later") {
+  HeatField field = make({}, 0.5e-3, cube(1));
+  const VoxelBox cell{Vec3i(0), Vec3i(1)};
+  const auto set = [&](float share) { field.set_bone(cell, std::vector<float>{share}); };
+  set(1.0f);
+  set(0.0f);
+  field.release(1e-3);
+  field.step(field.longest_step());
+  const double chips = field.balance().chips;
+  set(1.0f);
+  field.forget_losses();
+  field.release_at(Vec3i(0), 1e-3);
+  const float before = field.rise(Vec3i(0));
+  field.step(field.longest_step());  // alone, it keeps its heat
+  CHECK(field.rise(Vec3i(0)) == doctest::Approx(before).epsilon(1e-6));
+  CHECK(field.balance().chips == chips);
+}
+
 TEST_CASE("heat: a coolant takes no more than warms it to the hottest bone that it wets, and cools a slab as the film says") {
   const VoxelBox domain{Vec3i(0), Vec3i(20, 20, 4)};
   const HeatConfig config{};
