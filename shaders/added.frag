@@ -43,10 +43,11 @@ void main() {
   // A tight highlight of the film of fluid over a broad one of the uneven tissue below it.
   float towards = max(dot(n, normalize(light.xyz + to_eye)), 0.0) * step(0.0, dot(n, light.xyz));
   shown += shine * light_terms.y * (0.45 * pow(towards, 90.0) + 0.22 * pow(towards, 14.0));
+  float moist = 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // at grazing angles
 #ifdef WET
-  shown += shine * room_mirrored(n, to_eye);
+  shown += shine * (shine >= 0.5 ? room_mirrored(n, to_eye) : moist);   // a mesh may have dull and moist parts beside wet ones
 #else
-  shown += shine * 0.18 * light_terms.x * pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);   // a moist surface at grazing angles
+  shown += shine * moist;
 #endif
   shown = mix(rolled_off(shown), color.rgb, unlit);
 #ifdef FOG

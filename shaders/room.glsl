@@ -4,7 +4,7 @@
 // Radiance [-], of white paper in the lamp's light 1, from a direction: world, unit length.
 float room_light(vec3 way) {
   float up = dot(way, light.xyz);
-  vec3 across = normalize(abs(light.z) < 0.9 ? cross(vec3(0.0, 0.0, 1.0), light.xyz) : vec3(1.0, 0.0, 0.0));
+  vec3 across = normalize(cross(abs(light.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(0.0, 1.0, 0.0), light.xyz));
   float lamp = 16.0 * smoothstep(0.965, 0.99, up);
   // In a plane across the light.
   vec2 place = vec2(dot(way, across), dot(way, cross(light.xyz, across))) / max(up, 0.12);

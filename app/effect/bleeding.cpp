@@ -34,7 +34,8 @@ const Vec3 kTiny(0.0, 0.0, -1e-30);                                 // [m] so th
 constexpr double kWetFilm = 1e-3;                       // [m] of blood on the opened pores that is drawn as full beads
 constexpr double kSeenLevel = 1e-5, kSeenShare = 0.02;  // [m], [-] changes that are drawn
 
-constexpr std::uint64_t kPictureBytes = sizeof(float) + sizeof(std::uint16_t) + 1;  // of a voxel in BloodPicture
+// Of a voxel: BloodPicture, and while its mesh is made the density, what is gone, and the pores under a film.
+constexpr std::uint64_t kPictureBytes = sizeof(float) + sizeof(std::uint16_t) + 1 + 3 * sizeof(float);
 
 enum class Wax { none, after, drilled, by_switch };
 

@@ -41,8 +41,9 @@ constexpr double kVoxelsAbove = 2.0;            // of the dura, where bone over 
 constexpr double kLeastHeld = 0.75;             // [-] of the places of the rim, in noisy bone with holes
 constexpr int kVoxelsDeep = 4;                  // of bone over the dura, one of which holds it
 constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
-constexpr std::uint64_t kPictureBytes =
-    10000;                         // of a node: 94 triangles with 49 vertices, also in the driver, and what finds their corners
+// Of a node, at most, near a rent: 25 corners of 200 bytes with room for 10 more of its edge, 500 for what finds them and for copies, 150 triangles
+// with 75 vertices, 3000, and the last ones in the driver, 4200.
+constexpr std::uint64_t kPictureBytes = 15000;
 constexpr double kAtRest = 1e-12;  // [J] of the sheet
 
 /// Heights of the dura over the plane across the approach axis, from the soft tissue of the bone as loaded, or from its labels.

@@ -8,6 +8,8 @@
 
 namespace burrhole {
 
+/// 0 below lo, 1 above hi, with slope 0 at both.
+[[nodiscard]] double smooth_step(double lo, double hi, double x);
 /// [-] 0..1, smooth over cells of edge 1. As shaders/noise.glsl.
 [[nodiscard]] double tissue_noise(const Vec3& x);
 

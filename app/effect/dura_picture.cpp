@@ -27,15 +27,18 @@ bool DuraPicture::copy_for_picture(bool exactly) {
   bool differs = first;
   for (std::size_t n = 0; n < lattice.nodes() && !differs; ++n)
     differs = glm::length(sheet_->position(n) - x_[n]) > (exactly ? 0.0 : kMoved);
-  for (std::size_t e = 0; e < lattice.edges().size() && !differs; ++e) differs = sheet_->is_broken(e) != (broken_[e] != 0);
-  if (!differs && (!exactly || exact_)) return false;
+  bool torn = first;  // other edges than at the last copy
+  for (std::size_t e = 0; e < lattice.edges().size() && !torn; ++e) torn = sheet_->is_broken(e) != (broken_[e] != 0);
+  if (!differs && !torn && (!exactly || exact_)) return false;
   exact_ = exactly;
   x_.resize(lattice.nodes());
-  broken_.resize(lattice.edges().size());
   for (std::size_t n = 0; n < x_.size(); ++n) x_[n] = sheet_->position(n);
-  for (std::size_t e = 0; e < broken_.size(); ++e) broken_[e] = sheet_->is_broken(e) ? 1 : 0;
-  const DuraRent rent(lattice, broken_);
-  find_shape(rent);
+  if (torn) {
+    broken_.resize(lattice.edges().size());
+    for (std::size_t e = 0; e < broken_.size(); ++e) broken_[e] = sheet_->is_broken(e) ? 1 : 0;
+    rent_.emplace(lattice, broken_);
+  }
+  find_shape();
   // z of the shell over the place of a node at rest, from which the node has moved aside.
   const auto over_rest = [this](std::size_t n) {
     const Vec3 moved = shape_[n] - sheet_->rest(n), &normal = normals_[n];
@@ -47,7 +50,7 @@ bool DuraPicture::copy_for_picture(bool exactly) {
   const double below = std::max(thickness_, 0.5 * edge_) + kLeastBelow;
   for (std::size_t n = 0; n < x_.size(); ++n) wanted[n] = over_rest(n) - below;
   for (std::uint32_t n = 0; n < wanted.size(); ++n)
-    if (rent.is_near(n)) wanted[n] = over_rest(n) - thickness_ - kBelowTear;
+    if (rent_->is_near(n)) wanted[n] = over_rest(n) - thickness_ - kBelowTear;
   lower_soft(wanted, exactly ? 0.0 : kTopMoved * edge_);
   return true;
 }
@@ -84,12 +87,12 @@ double DuraPicture::shown(const Vec3& p_bone, double edge) const {
 }
 
 /// The positions that are drawn, without those of nodes that are joined to nothing, and their normals.
-void DuraPicture::find_shape(const DuraRent& rent) {
+void DuraPicture::find_shape() {
   shape_ = x_;
-  if (!rent.empty()) {
+  if (!rent_->empty()) {
     std::vector<Vec3> moved(x_.size());
     for (std::size_t n = 0; n < x_.size(); ++n) moved[n] = x_[n] - sheet_->rest(n);
-    rent.fill_lost(moved);
+    rent_->fill_lost(moved);
     for (std::size_t n = 0; n < x_.size(); ++n) shape_[n] = sheet_->rest(n) + moved[n];
   }
   normals_.assign(x_.size(), Vec3(0.0));
@@ -101,8 +104,7 @@ void DuraPicture::find_shape(const DuraRent& rent) {
 }
 
 void DuraPicture::append_mesh(AddedMesh& out) const {
-  const DuraRent rent(sheet_->lattice(), broken_);
-  append_dura({sheet_, &shape_, &normals_, &rent, bone_from_sheet_, thickness_}, out);
+  append_dura({sheet_, &shape_, &normals_, &*rent_, bone_from_sheet_, thickness_}, out);
 }
 
 }  // namespace burrhole

@@ -4,6 +4,7 @@
 ///   Frame  bone frame.   Units  m.   Errors  none.   Thread  as PictureSource.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "app/effect/dura_rent.h"
@@ -25,7 +26,7 @@ class DuraPicture final : public PictureSource, public SoftTop {
   [[nodiscard]] Bounds extent() const override { return extent_; }
 
  private:
-  void find_shape(const DuraRent& rent);
+  void find_shape();
   void lower_soft(const std::vector<double>& wanted, double seen);
 
   const ElasticSheet* sheet_;
@@ -34,6 +35,7 @@ class DuraPicture final : public PictureSource, public SoftTop {
   std::vector<Vec3> x_;                // [m] of the last copy, sheet frame
   std::vector<Vec3> shape_, normals_;  // [m], [-] as drawn: x_ without the nodes that a rent has cut out
   std::vector<std::uint8_t> broken_;   // edges of the last copy
+  std::optional<DuraRent> rent_;       // of those edges
   std::vector<double> top_;            // [m] z below which soft tissue is shown at each node
   bool exact_ = false;                 // so was the last copy
   Bounds changed_ = Bounds::none(), extent_ = Bounds::none();

@@ -4,7 +4,9 @@
 ///   Frame  sheet frame.   Units  m.   Errors  none.   Thread  any.   Source  own.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/sheet/elastic_sheet.h"
@@ -16,12 +18,10 @@ class DuraRent {
   static constexpr double kEdge = 0.38, kBlur = 0.42;  ///< [-], [spacings]
   using Nodes = std::array<std::uint32_t, 3>;          ///< of a triangle
 
-  /// @param broken of each edge of the lattice, not 0: it is.
+  /// @param lattice must outlive this. @param broken of each edge of the lattice, not 0: it is.
   DuraRent(const SheetLattice& lattice, const std::vector<std::uint8_t>& broken);
 
   [[nodiscard]] bool empty() const noexcept { return torn_.empty(); }
-  /// @returns whether a triangle is there: its edges are whole, and its nodes are held.
-  [[nodiscard]] bool is_whole(const Nodes& nodes) const noexcept;
   [[nodiscard]] bool is_held(std::uint32_t node) const noexcept { return held_[node] != 0; }
   /// @returns whether a torn triangle is within reach of a node, so that the opening may differ from 0 beside it.
   [[nodiscard]] bool is_near(std::uint32_t node) const noexcept { return near_[node] != 0; }
@@ -35,11 +35,14 @@ class DuraRent {
   void fill_lost(std::vector<Vec3>& moved) const;
 
  private:
+  [[nodiscard]] std::pair<double, double> order(const glm::dvec2& p) const noexcept;
+  template <class F>
+  void for_each_torn(const glm::dvec2& p, F&& f) const;
+
   const SheetLattice* lattice_;
-  const std::vector<std::uint8_t>* broken_;
   double spacing_;
   std::vector<std::uint8_t> held_, near_;  // nodes
-  std::vector<glm::dvec2> torn_;           // [m] middles of torn triangles
+  std::vector<glm::dvec2> torn_;           // [m] middles of torn triangles, by rows, so that those round a point are found
 };
 
 /// Calls f for the three nodes of each triangle of a lattice, anticlockwise.

@@ -12,20 +12,16 @@
 namespace burrhole {
 namespace {
 
-constexpr double kCurved = 0.75;                     // [-] share of the curvature between nodes: Phong tessellation
-constexpr int kParts = 5;                            // of an edge
-constexpr double kBump = 50e-6, kBumpWide = 0.7e-3;  // [m] height and width of what breaks the gloss (an assumption)
+constexpr double kCurved = 0.75;                                   // [-] share of the curvature between nodes: Phong tessellation
+constexpr int kParts = 5;                                          // of an edge
+constexpr std::size_t kCorners = (kParts + 1) * (kParts + 2) / 2;  // of the parts of a triangle
+constexpr double kBump = 50e-6, kBumpWide = 0.7e-3;                // [m] height and width of what breaks the gloss (an assumption)
 constexpr double kFray = 0.07, kFrayWide = 0.45e-3;  // [-] of the opening, [m]: how uneven the edge of a rent is (an assumption)
 constexpr double kCurl = 0.12e-3, kSwell = 0.12;     // [m], [-] of the thickness: of the edge of a rent (assumptions)
 constexpr double kLipFrom = 0.1;                     // [-] opening from which the lip begins
 constexpr int kRing = 5;                             // parts of the half circle
 constexpr double kNearEnd = 0.05;                    // [-] of an edge: a cut is at least so far from its ends
 constexpr std::uint32_t kNone = 0xffffffff;
-
-double smooth(double lo, double hi, double x) {
-  const double t = std::clamp((x - lo) / (hi - lo), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 class Builder {
  public:
@@ -43,13 +39,13 @@ class Builder {
       triangles.push_back(nodes);
       for (std::size_t k = 0; k < 3; ++k) ++sides[lattice_.edge(nodes[k], nodes[(k + 1) % 3])];
     });
+    reserve(triangles);
     for (const auto& nodes : triangles) add_triangle(nodes);
     for (const auto& nodes : triangles)
       for (std::size_t k = 0; k < 3; ++k)
         if (sides[lattice_.edge(nodes[k], nodes[(k + 1) % 3])] == 1) add_outer_wall(nodes[k], nodes[(k + 1) % 3]);
-    if (shell_.rent->empty()) return;
     for (const auto& nodes : triangles)
-      if (std::ranges::any_of(nodes, [this](std::uint32_t n) { return shell_.rent->is_near(n); })) add_brain(nodes);
+      if (is_near(nodes)) add_brain(nodes);
   }
 
  private:
@@ -65,6 +61,22 @@ class Builder {
     std::array<std::uint32_t, kRing + 1> ring{};  // vertices of an edge, from the outer to the inner face; valid with the first
   };
   using Lattice = std::array<int, 3>;  // weights, of kParts
+  using Parts = std::array<std::uint32_t, kCorners>;
+
+  [[nodiscard]] bool is_near(const DuraRent::Nodes& nodes) const {
+    return std::ranges::any_of(nodes, [this](std::uint32_t n) { return shell_.rent->is_near(n); });
+  }
+  /// So that little grows while it is filled: the walls of rim and rent.
+  void reserve(const std::vector<DuraRent::Nodes>& triangles) {
+    const auto near = static_cast<std::size_t>(std::ranges::count_if(triangles, [this](const auto& nodes) { return is_near(nodes); }));
+    constexpr std::size_t kPerEdge = kParts - 1, kInner = kCorners - 3 * kParts, kParted = kParts * kParts;
+    // The edge of a rent crosses some of the triangles near it, each at about two lines of parts.
+    const std::size_t corners = lattice_.nodes() + kPerEdge * lattice_.edges().size() + kInner * triangles.size() + kParts * near;
+    corners_.reserve(corners);
+    out_.vertices.reserve(out_.vertices.size() + 2 * corners + kParted * near);
+    out_.colors.reserve(out_.colors.size() + 2 * corners + kParted * near);
+    out_.triangles.reserve(out_.triangles.size() + kParted * (2 * triangles.size() + 2 * near));
+  }
 
   [[nodiscard]] std::uint32_t vertex(const Vec3& p, const Rgba8& color) {
     out_.vertices.emplace_back(shell_.bone_from_sheet * p);
@@ -89,7 +101,7 @@ class Builder {
   std::uint32_t brain_of(std::uint32_t n) {
     Corner& c = corners_[n];
     if (c.brain_vertex == kNone) {
-      const double open = smooth(DuraRent::kEdge - 0.1, DuraRent::kEdge + 0.35, c.opening.share);
+      const double open = smooth_step(DuraRent::kEdge - 0.1, DuraRent::kEdge + 0.35, c.opening.share);
       const Vec3 p = c.place - (shell_.thickness + kBrainBelow + sulcus_depth(c.rest)) * c.normal;
       c.brain_vertex = vertex(p, brain_color(c.rest, open));
     }
@@ -118,7 +130,7 @@ class Builder {
     if (near) {
       c.opening = shell_.rent->at(glm::dvec2(rest));
       if (c.opening.share > 0.0) c.opening.share += kFray * (tissue_noise(c.rest / kFrayWide) - 0.5);
-      c.lip = smooth(kLipFrom, DuraRent::kEdge, c.opening.share);
+      c.lip = smooth_step(kLipFrom, DuraRent::kEdge, c.opening.share);
       c.is_open = c.opening.share >= DuraRent::kEdge;
     }
     const double bump = kBump * (tissue_noise(c.rest / kBumpWide) - 0.5);
@@ -142,14 +154,22 @@ class Builder {
     if (*kept == kNone) *kept = add_corner(nodes, weights);
     return *kept;
   }
-  /// All corners of a triangle, row by row; inner ones are made once, since each triangle is met for the shell and for the brain.
+  [[nodiscard]] Parts find_parts(const DuraRent::Nodes& nodes) {
+    Parts out{};
+    std::size_t next = 0;
+    for (int i = 0; i <= kParts; ++i)
+      for (int j = 0; i + j <= kParts; ++j) out[next++] = find_corner(nodes, {kParts - i - j, i, j});
+    return out;
+  }
+  /// All corners of a triangle, row by row; those near a rent are kept, since the triangle is met for the shell and for the brain.
   template <class F>
   void for_each_part(const DuraRent::Nodes& nodes, F&& f) {
-    auto [at, fresh] = inner_.try_emplace(nodes);
-    std::vector<std::uint32_t>& all = at->second;
-    if (fresh)
-      for (int i = 0; i <= kParts; ++i)
-        for (int j = 0; i + j <= kParts; ++j) all.push_back(find_corner(nodes, {kParts - i - j, i, j}));
+    Parts all{};
+    if (const auto kept = near_.find(nodes); kept != near_.end())
+      all = kept->second;
+    else
+      all = find_parts(nodes);
+    if (is_near(nodes)) near_.try_emplace(nodes, all);
     const auto corner = [&](int i, int j) { return all[static_cast<std::size_t>(i * (kParts + 1) - i * (i - 1) / 2 + j)]; };
     for (int i = 0; i < kParts; ++i)
       for (int j = 0; i + j < kParts; ++j) {
@@ -211,7 +231,7 @@ class Builder {
       for (int k = 1; k < kRing; ++k) {
         const double turn = std::numbers::pi * k / kRing;
         ring[static_cast<std::size_t>(k)] = vertex(middle + std::cos(turn) * up + std::sin(turn) * out,
-                                                   dura_inside_color(c.rest, smooth(0.0, 0.5, static_cast<double>(k) / kRing)));
+                                                   dura_inside_color(c.rest, smooth_step(0.0, 0.5, static_cast<double>(k) / kRing)));
       }
       corners_[n].ring = ring;
     }
@@ -267,7 +287,7 @@ class Builder {
   AddedMesh& out_;
   std::vector<Corner> corners_;
   std::vector<std::uint32_t> at_node_, on_edge_;                                // corners
-  std::map<DuraRent::Nodes, std::vector<std::uint32_t>> inner_;                 // corners of triangles
+  std::map<DuraRent::Nodes, Parts> near_;                                       // corners of triangles near a rent
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;  // corners
 };
 

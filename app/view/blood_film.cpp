@@ -63,7 +63,8 @@ void append_film(const SiteBone& bone, std::span<const float> density, std::span
   for (std::size_t n = 0; n < mesh.positions.size(); ++n) {
     const Vec3 p(mesh.positions[n]);
     const double enough = amount_at(p) - look.least + look.ragged * uneven(p, kWide);
-    inside.push_back(std::min(enough, (-glm::dot(bone.down, p) - look.dry_below) / bone.bone_from_index.mean_edge()));
+    const double above = look.dry_below ? (-glm::dot(bone.down, p) - *look.dry_below) / bone.bone_from_index.mean_edge() : enough;
+    inside.push_back(std::min(enough, above));
     mesh.positions[n] = Vec3f(p + look.uneven * uneven(p, kFiner) * Vec3(mesh.normals[n]));
   }
   append_clipped(

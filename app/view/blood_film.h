@@ -5,6 +5,7 @@
 ///   Frame  bone frame.   Units  m.   Errors  none.   Thread  any.   Source  own; shapes and colours are chosen by eye, the place is not.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "app/view/added_mesh.h"
@@ -17,7 +18,7 @@ struct FilmLook {
   double ragged = 0.2;                     ///< [-] by which that varies
   double lift = 0.3;                       ///< [voxels] over the surface of the bone
   double uneven = 0.0;                     ///< [m] height of its bumps
-  double dry_below = -1.0;                 ///< [m] height over `SiteBone::down`, below which there is none; below all: everywhere
+  std::optional<double> dry_below{};       ///< [m] height against `SiteBone::down`, below which there is none
   Vec3 thin_color{0.0}, thick_color{0.0};  ///< [-] 0..1
   std::uint8_t shine = 0;
 };

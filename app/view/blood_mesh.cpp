@@ -78,30 +78,8 @@ class BloodShape {
 
   /// Blood or wax on the pores as layers.
   void append_films() {
-    std::vector<float> bleeding(picture_.pore_area.size(), 0.0f), waxed = bleeding;
-    for (std::size_t n = 0; n < bleeding.size(); ++n)
-      if (picture_.pore_area[n] > 0.0f && bone_.pores[n] >= kLeastPores) (picture_.waxed[n] != 0 ? waxed : bleeding)[n] = bone_.pores[n];
-    append_film(bone_, density_, waxed,
-                {.least = 0.22,
-                 .ragged = 0.1,
-                 .lift = 0.5,
-                 .uneven = 4e-5,
-                 .dry_below = -kFar,
-                 .thin_color = kWaxEdge,
-                 .thick_color = kWaxColor,
-                 .shine = kDull},
-                out_);
-    if (picture_.wetness <= 0.0) return;
-    append_film(bone_, density_, bleeding,
-                {.least = glm::mix(kDryLeast, kWetLeast, std::sqrt(picture_.wetness)),
-                 .ragged = 0.12,
-                 .lift = 0.3,
-                 .uneven = 2e-5,
-                 .dry_below = picture_.blood > 0.0 ? picture_.level : -kFar,
-                 .thin_color = kThinColor,
-                 .thick_color = kThickColor,
-                 .shine = kWet},
-                out_);
+    if (std::ranges::find(picture_.waxed, 1) != picture_.waxed.end()) append_wax();
+    if (picture_.wetness > 0.0) append_bleeding();
   }
   void append_beads() {
     if (picture_.wetness <= 0.0) return;
@@ -123,6 +101,31 @@ class BloodShape {
   void append_pool();
 
  private:
+  /// @returns the pores [-] of the voxels at the surface that wax closes, or of the others; 0: of other voxels.
+  [[nodiscard]] std::vector<float> pores_of(bool waxed) const {
+    std::vector<float> out(picture_.pore_area.size(), 0.0f);
+    for (std::size_t n = 0; n < out.size(); ++n)
+      if (picture_.pore_area[n] > 0.0f && bone_.pores[n] >= kLeastPores && (picture_.waxed[n] != 0) == waxed) out[n] = bone_.pores[n];
+    return out;
+  }
+  void append_wax() {
+    append_film(
+        bone_, density_, pores_of(true),
+        {.least = 0.22, .ragged = 0.1, .lift = 0.5, .uneven = 4e-5, .thin_color = kWaxEdge, .thick_color = kWaxColor, .shine = kDull},
+        out_);
+  }
+  void append_bleeding() {
+    append_film(bone_, density_, pores_of(false),
+                {.least = glm::mix(kDryLeast, kWetLeast, std::sqrt(picture_.wetness)),
+                 .ragged = 0.12,
+                 .lift = 0.3,
+                 .uneven = 2e-5,
+                 .dry_below = picture_.blood > 0.0 ? std::optional(picture_.level) : std::nullopt,
+                 .thin_color = kThinColor,
+                 .thick_color = kThickColor,
+                 .shine = kWet},
+                out_);
+  }
   [[nodiscard]] double height(const Vec3& p) const { return -glm::dot(bone_.down, p); }
   [[nodiscard]] double density(const Vec3& p) const { return trilinear(bone_.box, density_.data(), index_from_bone_ * p); }
   [[nodiscard]] bool inside(const Vec3& p) const {

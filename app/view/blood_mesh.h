@@ -1,4 +1,4 @@
-/// app/view/blood_mesh.h: blood in and about a hole as triangles: the surface of the pool, beads and runs on the cut pores, wax.
+/// app/view/blood_mesh.h: blood in and about a hole as triangles: the surface of the pool, a film, drops and runs on the cut pores, wax.
 ///   The pool is level in its middle. It rises where it wets a wall, dips at a brim, and goes a little into the bone, which hides that part. It is
 ///   left out where the blood under it is too thin to hide the floor. A film lies on the pores of cut bone (blood_film.h), the wider the wetter. Some
 ///   pores carry a drop; from some, blood runs in a band down to the pool, or to where the surface is level. Waxed pores have a pale layer.

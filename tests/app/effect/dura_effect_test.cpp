@@ -155,8 +155,9 @@ TEST_CASE("dura: it tears at strain_limit, and largest_N is the largest force th
 
 TEST_CASE("dura: tension stiffens it, and a force over the speed of what is moved aside adds to its own") {
   const double force = dived(1.0e-3).of("peak_force_N");
+  // By far more than the 1 % by which a peak depends on the steps (sheet_test).
   CHECK(dived(1.0e-3, kDura + "tension = 0.03\n").of("peak_force_N") > 1.1 * force);
-  CHECK(dived(1.0e-3, kDura + "resistance_kPa_s_per_mm = 100\n").of("peak_force_N") > 1.01 * force);
+  CHECK(dived(1.0e-3, kDura + "resistance_kPa_s_per_mm = 100\n").of("peak_force_N") > 1.1 * force);
 }
 
 namespace {

@@ -135,16 +135,18 @@ TEST_CASE("blood mesh: a film is one layer on the pores, of their area when all 
       outwards += glm::dot(normal, Vec3(p.x, p.y, 0.0)) < 0.0 ? 1 : 0;
       ++all;
     }
-    CHECK(outwards > all * 95 / 100);  // towards the axis: the film faces the hole, its bumps are flat
+    // Towards the axis: the film faces the hole; its bumps have slopes below 0.3. Slivers along its edge may be flat by rounding: 1 %.
+    CHECK(outwards > all * 99 / 100);
     return area;
   };
-  // The edge lies up to 1.5 voxels beyond the pores, on both sides, and its raggedness takes up to as much.
+  // When all is wet the edge is where there is at most 0.12 + 0.12 of what a face of pores has. Straight at the end of the pores, 0.8 of a voxel, there
+  // is half of 0.8: it lies beyond them everywhere, by up to 1.5 voxels on both sides.
   const double band = 2.0 * std::numbers::pi * kRadius * 1e-3, beside = 2.0 * std::numbers::pi * kRadius * 3.0 * kEdge;
   const double dry = film_of(0.02), half = film_of(0.3), wet = film_of(1.0);
-  CHECK(wet > band - 0.3 * beside);
+  CHECK(wet > band);
   CHECK(wet < band + beside);
   CHECK(half < wet);
-  CHECK(dry < 0.8 * half);
+  CHECK(dry < half);
   (void)drawn.site.wax(0.5e-3);
   const AddedMesh waxed = drawn.mesh(0.0, 0.0, 0.0);
   double farthest = 0.0, nearest = 1.0;
