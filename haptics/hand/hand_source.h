@@ -62,7 +62,7 @@ class HandSource {
   /// Called once per tick before apply(). @param drill [m] place of the drill in the newest contact result, in the world in which the bone is at
   /// rest: what a surgeon sees and holds. The coupling between hand and drill may become softer or harder, and then the two do not move alike.
   virtual void drill_at(const Vec3& drill) noexcept BH_REALTIME { static_cast<void>(drill); }
-  /// Called before the first tick of a run in which effects push the hand, such as a guidance: added_force().
+  /// Called before the first tick of a run in which effects push the hand, such as a guidance (added_force()), or in which bone moves.
   virtual void watch_drill() noexcept {}
   /// Called before apply() in each tick in which effects push the hand. @param force [N] world: their part of the force that apply() gives. The
   /// rest is the drill's, which lies in the hand the deeper the harder bone presses it there, whatever else pushes the hand.
