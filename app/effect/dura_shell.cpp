@@ -170,7 +170,10 @@ class Builder {
     else
       all = find_parts(nodes);
     if (is_near(nodes)) near_.try_emplace(nodes, all);
-    const auto corner = [&](int i, int j) { return all[static_cast<std::size_t>(i * (kParts + 1) - i * (i - 1) / 2 + j)]; };
+    const auto corner = [&](int i, int j) {
+      const int at = i * (kParts + 1) - i * (i - 1) / 2 + j;
+      return all[static_cast<std::size_t>(at)];
+    };
     for (int i = 0; i < kParts; ++i)
       for (int j = 0; i + j < kParts; ++j) {
         f(corner(i, j), corner(i + 1, j), corner(i, j + 1));

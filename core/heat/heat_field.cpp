@@ -199,8 +199,8 @@ void HeatField::cool(const Cooling& cooling, double dt) {
 void HeatField::advance(double dt, const Cooling* cooling) {
   waiting_ += dt;
   heating_ += dt;
-  for (double steps = std::floor(waiting_ / longest_); steps > 0.0; steps -= 1.0) {
-    settle(1.0 / steps);
+  for (auto left = static_cast<std::uint64_t>(waiting_ / longest_); left > 0; --left) {
+    settle(1.0 / static_cast<double>(left));
     conduct(longest_);
     if (cooling != nullptr) cool(*cooling, longest_);
     waiting_ -= longest_;
