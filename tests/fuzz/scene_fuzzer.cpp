@@ -1,11 +1,11 @@
 // Any text as a scene: errors are values, never crashes; an accepted scene reads the same from its own text. The tables of all effects are
-// read: before the first input each is demanded of a scene that has it.
+// read: before the first input the sample of each branch of the reader must be accepted.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-#include <string_view>
 
 #include "app/scene/scene.h"
+#include "app/scene/schema_samples.h"
 
 namespace {
 
@@ -13,30 +13,19 @@ using namespace burrhole;
 
 const SceneContext kContext{.tool_folders = {}, .tool_given = true};
 
-std::string plate_with(const EffectEntry& effect, const std::string& lines) {
-  return "[volume]\nsource = \"phantom:plate\"\n[tool]\nname = \"any\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n[" +
-         std::string(effect.table) + "]\n" + lines + "\n";
-}
-
-/// Aborts unless the effect's table, empty and with each of its samples, is accepted and gives a plan.
-void demand_reader(const EffectEntry& effect) {
-  std::vector<std::string> texts = effect.samples;
-  texts.emplace_back();
-  for (const std::string& lines : texts) {
-    const auto document = TomlDocument::parse(plate_with(effect, lines), "sample.toml");
-    Issues issues;
-    const auto scene = document ? read_scene(*document, kContext, issues) : std::nullopt;
-    if (scene && scene->effects.has(effect.table)) continue;
-    std::fprintf(stderr, "scene fuzzer: a sample of [%s] is refused: %s\n", effect.table, issues.empty() ? "" : issues[0].text().c_str());
-    std::abort();
-  }
+/// Aborts if a valid scene is refused for another reason than a file of it that is not here.
+void demand_reader(const SchemaSample& sample) {
+  const Issues issues = read_sample(SchemaFile::scene, sample.text).issues;
+  const std::string said = issues.empty() ? "" : issues[0].text();
+  if (issues.empty() || (!sample.expected_error.empty() && said.find(sample.expected_error) != std::string::npos)) return;
+  std::fprintf(stderr, "scene fuzzer: the sample \"%s\" is refused: %s\n", sample.name.c_str(), said.c_str());
+  std::abort();
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  for (const EffectEntry& effect : shipped_effects())
-    if (effect.read != nullptr) demand_reader(effect);
+  for (const SchemaSample& sample : schema_samples(SchemaFile::scene)) demand_reader(sample);
   return 0;
 }
 

@@ -67,14 +67,17 @@ LoadedScene scene_with(const std::string& effects, const char* seconds) {
   return load_text(scene_text(scene) + effects, scene.sets);
 }
 
-/// The pictures of a recorded run and those of its replay. From 0.9 s on the drill stands: what is left changes by less from frame to frame
-/// than is seen. @param film_hz [Hz] of the run; it copies at each frame.
-void check_replayed(const std::string& effects, bool live, double film_hz) {
+/// Compares the pictures of a recorded run with those of its replay. After 0.6 of the time the drill stands: what is left changes by less from
+/// frame to frame than is seen. @param seconds of the run. @param film_hz [Hz] of the run; it copies at each frame.
+/// @returns the most triangles of a picture.
+std::size_t check_replayed(const std::string& effects, bool live, double film_hz, double seconds = 1.5) {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");
   MeshSink recorded, replayed;
-  DrillRun run(scene_with(effects, "duration_s=1.5"),
-               {.sink = &recorded, .live = live, .inputs = {{900, InputKind::spin, 0.0, {}, {}}}, .film_hz = film_hz});
+  const std::string duration = "duration_s=" + std::to_string(seconds);
+  const auto stop = static_cast<std::uint64_t>(600.0 * seconds);  // [ticks]
+  DrillRun run(scene_with(effects, duration.c_str()),
+               {.sink = &recorded, .live = live, .inputs = {{stop, InputKind::spin, 0.0, {}, {}}}, .film_hz = film_hz});
   run_recorded(run, path);
   CHECK((recorded.frames > 0) == (film_hz > 0.0));
   ReplayRun replay(path, {.sink = &replayed});
@@ -98,8 +101,8 @@ void check_replayed(const std::string& effects, bool live, double film_hz) {
       for (const std::uint32_t corner : triangle) REQUIRE(corner < mesh.vertices.size());
     most = std::max(most, mesh.triangles.size());
   }
-  CHECK(most > 100);
-  CHECK(std::ranges::any_of(before, [&](const SessionStill& still) { return still.hash != before.front().hash; }));
+  CHECK((most <= 100 || std::ranges::any_of(before, [&](const SessionStill& still) { return still.hash != before.front().hash; })));
+  return most;
 }
 
 template <class Picture>
@@ -166,17 +169,19 @@ AddedMesh whole_saline(DrillRun& run) {
 }  // namespace
 
 TEST_CASE("effect pictures: a replay of heat and saline shows what each still of the run showed") {
-  check_replayed(kHeatAndSaline, false, 0.0);
+  CHECK(check_replayed(kHeatAndSaline, false, 0.0) > 100);
 }
 
 // Fails where a still is copied as a frame of a film is, without what cannot be seen.
 TEST_CASE("effect pictures: a run that was filmed shows in its stills what a replay without a film shows, of every effect") {
-  check_replayed(std::string(kHeatAndSaline) + "always = true\n", false, 500.0);
-  check_replayed("\n[dust]\n[bleeding]\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", false, 500.0);
+  CHECK(check_replayed(std::string(kHeatAndSaline) + "always = true\n", false, 500.0) > 100);
+  CHECK(check_replayed("\n[dust]\n[bleeding]\n[dura]\nradius_mm = 3\nspacing_mm = 0.5\n", false, 500.0) > 100);
 }
 
 TEST_CASE("effect pictures: a run on threads with heat and saline replays to the triangles of each still") {
-  check_replayed(kHeatAndSaline, true, 0.0);
+  std::size_t most = 0;  // a machine under load may drill nothing in a short run: then a longer one
+  for (double seconds = 1.5; most <= 100 && seconds < 50.0; seconds *= 3.0) most = check_replayed(kHeatAndSaline, true, 0.0, seconds);
+  CHECK(most > 100);
 }
 
 TEST_CASE(
