@@ -1,4 +1,4 @@
-// [zones] in a scene: what reach_mm limits, the reported distance and the memory, by stated amounts.
+// [zones] in a scene: what reach_mm limits, the reported distance and the memory, and when warn_mm warns, by stated amounts.
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -33,9 +33,9 @@ class FallingHand final : public HandSource {
   std::uint64_t tick_ = 0;
 };
 
-LoadedScene scene_of(double reach) {
+LoadedScene scene_of(double reach, double warn = 1.0) {
   const SmallScene scene{.volume = kSkullPatchKeys, .contact = false, .erosion = false};
-  return load_text(scene_text(scene) + fmt::format("[zones]\nreach_mm = {}\n", reach), {"duration_s=1.3"});
+  return load_text(scene_text(scene) + fmt::format("[zones]\nreach_mm = {}\nwarn_mm = {}\n", reach, warn), {"duration_s=1.3"});
 }
 
 struct Fall {
@@ -84,6 +84,24 @@ TEST_CASE("zones: the distance is reported up to reach_mm, and beyond it reach_m
     CHECK(beyond > 50);
     CHECK(within > 300);
     CHECK(std::abs(near.closest - far.closest) < kRounding * 1e3);
+  }
+}
+
+TEST_CASE("zones: it warns from warn_mm on") {
+  // The tool comes nearer by 4 um a tick, so a millimetre is 0.25 s of warning, to a tick at each end. Along the axis the distance is linear between voxels.
+  const auto near_for = [](double warn) {
+    FallingHand hand;
+    SimulationOptions options;
+    options.hand = &hand;
+    DrillRun run(scene_of(12.0, warn), options);
+    run.run();
+    CHECK(figure(run.simulation(), "zones", "warnings") == 1.0);
+    return figure(run.simulation(), "zones", "near_s");
+  };
+  const double base = near_for(1.0);
+  for (const double warn : {0.7, 2.0, 4.0}) {
+    CAPTURE(warn);
+    CHECK(std::abs(near_for(warn) - base - 0.25 * (warn - 1.0)) < 2.1e-3);
   }
 }
 
