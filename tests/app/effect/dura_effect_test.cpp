@@ -266,12 +266,12 @@ TEST_CASE("dura: a force on a hand at rest is the allowance over the way that th
 
 namespace {
 /// In 0.5 s the hand cuts a hole to the dura, if it cuts, then stands above the bone. @returns the bulge [m] after each bone step of 20 ms.
-std::vector<double> pulsed(const std::string& keys, bool cuts = true) {
+std::vector<double> pulsed(const std::string& keys, bool cuts = true, const std::string& curvature = "80") {
   GivenHand hand([cuts](double t) { return Vec3(0.0, 0.0, cuts && t < 0.5 ? 0.5e-3 - 11e-3 * t : 3e-3); });
   SimulationOptions options;
   options.hand = &hand;
   const TemporaryFolder folder;
-  SmallScene scene = free_scene({"duration_s=3.5", "tool.erosion_scale=1e4"});
+  SmallScene scene = free_scene({"duration_s=3.5", "tool.erosion_scale=1e4", "volume.curvature_mm=" + curvature});
   scene.erosion = true;
   DrillRun run(load_text(scene_text(scene) + "[dura]\nradius_mm = 6\nspacing_mm = 0.6\nadhesion_kPa = 0.01\n" + keys, scene.sets), options);
   run_recorded(run, folder.file("pulse.bhs"));
@@ -313,6 +313,54 @@ TEST_CASE("dura: under a hole it follows the brain's pulse, between 0 and pulse_
   }
   for (const double bulge : pulsed("pulse_Pa = 0\n")) CHECK(bulge < 1e-7);
   for (const double bulge : pulsed("pulse_Pa = 1e4\n", false)) CHECK(bulge == 0.0);  // bone holds it
+}
+
+TEST_CASE("dura: resistance_kPa_s_per_mm over the support is the time constant with which it follows the pulse") {
+  // As above: u(n) = (p(n) + b u(n - 1) / dt) / (g + b / dt).
+  constexpr double kSupport = 1e8, kPulse = 1e4;  // [N/m^3], [Pa]
+  for (const double resistance : {2.0, 10.0, 50.0}) {
+    CAPTURE(resistance);
+    const std::vector<double> bulge = pulsed(fmt::format(
+        "modulus_MPa = 1e-6\nsupport_kPa_per_mm = 100\nresistance_kPa_s_per_mm = {}\npulse_Pa = 1e4\npulse_hz = 1.1\n", resistance));
+    const auto worst_with = [&](double b) {
+      double expected = bulge[30], worst = 0.0;
+      for (std::size_t n = 31; n < bulge.size(); ++n) {
+        const double pressure = 0.5 * kPulse * (1.0 - std::cos(2.0 * std::numbers::pi * 1.1 * 0.02 * static_cast<double>(n + 1)));
+        expected = (pressure + b * 1e6 * expected / 0.02) / (kSupport + b * 1e6 / 0.02);
+        worst = std::max(worst, std::abs(bulge[n] - expected));
+      }
+      return worst / *std::ranges::max_element(bulge);
+    };
+    MESSAGE("within " << worst_with(resistance) << " of the largest bulge; sabotaged " << worst_with(1.1 * resistance));
+    CHECK(worst_with(resistance) < 3e-3);
+    CHECK(worst_with(1.1 * resistance) > 6e-3);
+  }
+}
+
+TEST_CASE("dura: under a hole a membrane bulges in inverse proportion to its tension") {
+  // Without bending, w = (p - 2 N / R) a^2 / (4 N), a the radius of the hole, R that of the skull, N in proportion to E t and the strain at rest: the difference of two
+  // pressures times N is the same. Tolerance 4 %: the bone c holds the nodes s apart at the edge of the hole, of the area A, up to 2 s N / (a c A), 1 to 2 %; the solver may leave a
+  // millionth of a newton, 0.8 % of the load, of each of the two; and the bulge stretches the membrane by (w / a)^2, 0.5 % of its strain.
+  const auto wider = [](double tension) {
+    const auto most = [&](double pulse) {
+      const std::vector<double> bulge = pulsed(
+          fmt::format("modulus_MPa = 330\nthickness_mm = 0.0005\nsupport_kPa_per_mm = 0\nresistance_kPa_s_per_mm = 0.0001\ntension = {}\n"
+                      "pulse_Pa = {}\n",
+                      tension, pulse),
+          true, "1000");
+      return *std::ranges::max_element(bulge);
+    };
+    return most(200.0) - most(100.0);
+  };
+  const double base = wider(0.02);
+  MESSAGE("bulge of 100 Pa more: " << base * 1e6 << " um at a tension of 0.02");
+  for (const double tension : {0.015, 0.025}) {
+    CAPTURE(tension);
+    const double ratio = wider(tension) / base * tension / 0.02;
+    MESSAGE("times the tension " << ratio);
+    CHECK(std::abs(ratio - 1.0) < 0.04);
+    CHECK(std::abs(1.1 * ratio - 1.0) > 0.04);  // sabotage
+  }
 }
 
 TEST_CASE("dura: a drilled hole frees it, a replay has the same bits, and a reset brings it back whole") {
