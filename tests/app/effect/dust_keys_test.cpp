@@ -215,6 +215,88 @@ TEST_CASE("dust: a suction takes as far as its flow over 4 pi r2 lifts a chip, o
   CHECK(sucked(flow_of(2.5e-3), 0.1) != sucked(flow_of(2.6e-3), 0.1));  // sabotage
 }
 
+namespace {
+
+constexpr double kDeep = 2.06e-3, kSucks = 0.5;  // [m] of the tip; [s] from when on a nozzle sucks
+
+/// Down into the plate in 0.2 s, where the bit goes on turning.
+class StandingHand final : public HandSource {
+ public:
+  const HandState& read() noexcept override {
+    state_.world_from_hand.translation = Vec3(0.0, 0.0, std::max(-kDeep, 0.5e-3 - 15e-6 * static_cast<double>(tick_)));
+    state_.tick = tick_++;
+    return state_;
+  }
+  void apply(const Wrench&) noexcept override {}
+
+ private:
+  HandState state_;
+  std::uint64_t tick_ = 0;
+};
+
+constexpr double kCloud = 10e-3, kMist = 0.5e-6;  // [m]
+
+/// Of a cloud of mist round a pin that stands, the share that a nozzle has taken.
+struct Sucked {
+  double share, count;  // [-]; particles
+};
+Sucked suck_mist(double distance, double radius) {
+  const double falls = terminal_speed(chip_drag({}, kMist), 9.81), flow = 4.0 * std::numbers::pi * radius * radius * falls;
+  StandingHand hand;
+  SimulationOptions options;
+  options.hand = &hand;
+  const SmallScene scene{.volume = kDeepPlate, .contact = false};
+  const std::string tables = fmt::format(
+      "[dust]\nparticle_mm3 = 0.02\nmist_share = 1\nmist_um = {}\nmist_cloud_mm = {}\nreach_mm = 30\n[dust.suction]\nfrom_s = {}\nreach_mm "
+      "= 200\n"
+      "distance_mm = {}\nflow_l_per_min = {:.17g}\n",
+      kMist * 1e6, kCloud * 1e3, kSucks, distance * 1e3, flow * 60e3);
+  DrillRun run(load_text(scene_text(scene) + tables, {"duration_s=3.0", "tool.name=\"pin\"", "tool.erosion_scale=1e4"}), options);
+  run.run();
+  const auto of = [&](const char* name) { return figure(run.simulation(), "dust", name); };
+  const double left = of("sucked_mm3") + of("flying_mm3") + of("settled_mm3");
+  CHECK(of("lost_mm3") == 0.0);
+  return {of("sucked_mm3") / left, left / 0.002};
+}
+
+/// The same in closed form: the share of a box, of 2 kCloud across and kCloud high, over each place of the bit's rim, that lies within a ball.
+double share_within(double distance, double radius) {
+  // The tip of the nozzle's frame; mist leaves a voxel beside the bit, at the first half voxel over the tip that is in the open.
+  const double half = 0.125e-3, mouth = half * std::ceil(kDeep / half) - kDeep, ring = 1e-3 + 2.0 * half, away = distance * std::sqrt(0.5);
+  const Vec3 nozzle(away, 0.0, away - kDeep);
+  constexpr int kAngles = 12, kCells = 40;
+  int within = 0;
+  for (int a = 0; a < kAngles; ++a)
+    for (int k = 0; k < kCells; ++k)
+      for (int j = 0; j < kCells; ++j)
+        for (int i = 0; i < kCells; ++i) {
+          const auto place = [](int n) { return (n + 0.5) / kCells; };
+          const double angle = 2.0 * std::numbers::pi * a / kAngles;
+          const Vec3 p = Vec3(ring * std::cos(angle), ring * std::sin(angle), mouth) +
+                         kCloud * Vec3(2.0 * place(i) - 1.0, 2.0 * place(j) - 1.0, place(k));
+          within += glm::length(p - nozzle) < radius ? 1 : 0;
+        }
+  return static_cast<double>(within) / (kAngles * kCells * kCells * kCells);
+}
+
+}  // namespace
+
+TEST_CASE("dust: a suction at distance_mm takes the share of a cloud of mist that lies within the radius of its flow") {
+  // Mist of 0.5 um falls by 0.04 mm in the run and is even in its box, so each particle is in the ball by the same chance: four standard deviations of a binomial.
+  // The grid of the closed form and the bit's radius of whole points are good for 0.005.
+  for (const double distance : {8e-3, 30e-3, 100e-3})
+    for (const double farther : {-4e-3, 0.0, 4e-3}) {
+      const double radius = distance + farther;
+      CAPTURE(distance);
+      CAPTURE(farther);
+      const Sucked found = suck_mist(distance, radius);
+      const double expected = share_within(distance, radius), off = 4.0 * std::sqrt(expected * (1.0 - expected) / found.count) + 0.005;
+      MESSAGE("share " << found.share << " of " << found.count << " particles, expected " << expected << ", within " << off);
+      CHECK(std::abs(found.share - expected) < off);
+      if (distance > 20e-3) CHECK(std::abs(found.share - share_within(1.1 * distance, radius)) > off);  // sabotage
+    }
+}
+
 TEST_CASE("dust: gravity that points up takes all chips away from the bone") {
   const Course run = drilled({"down=[0, 0, 1]"}, "[dust]\n", kDeepPlate);
   CHECK(run.of("settled_mm3") == 0.0);
