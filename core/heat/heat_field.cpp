@@ -8,7 +8,6 @@
 namespace burrhole {
 namespace {
 
-constexpr float kWhole = 0.999f;  // [-] part of a cell that bone fills if none was cut away, less rounding
 constexpr std::array<Vec3i, 3> kAxes{Vec3i(1, 0, 0), Vec3i(0, 1, 0), Vec3i(0, 0, 1)};
 
 /// @returns the conductance between two cells over that of full bone. @param share of a cell. @param inverse one over its largest share.
@@ -31,7 +30,9 @@ HeatField::HeatField(const HeatConfig& config, const Vec3& edges, const VoxelBox
       peak_(domain.count()),
       dose_(domain.count()),
       inverse_whole_(domain.count()),
-      slot_(domain.count()) {}
+      slot_(domain.count()),
+      source_(domain.count()),
+      cut_(domain.count()) {}
 
 Result<HeatField> HeatField::create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
@@ -100,24 +101,75 @@ void HeatField::release(double joule) {
   losses_.clear();
 }
 
-// Heat enters through the cut surface, whose area follows from the cells beside: across an axis they differ in what they hold by the part of the face
-// that the surface crosses. Over that area, half the bone of the cell is the way to its mean. A steeper surface is larger, and the way shorter.
-double HeatField::half_resistance(const Vec3i& cell) const noexcept {
-  const std::size_t here = domain_.offset_of(cell);
+// The area of the cut surface follows from the cells beside: across an axis they differ in what they hold by the part of the face that the surface
+// crosses. A steeper surface is larger.
+Vec3 HeatField::cut_surface(const Vec3i& cell) const noexcept {
+  Vec3 area(0.0);
   const double volume = edges_.x * edges_.y * edges_.z;
-  std::array<double, 3> area{}, face{};  // across the axis on which they differ most, the cells beside differ over one cell, else over two
-  for (std::size_t n = 0; n < 3; ++n) {
-    face[n] = volume / edges_[n];
-    area[n] = std::abs(filled_beside(cell, cell + kAxes[n]) - filled_beside(cell, cell - kAxes[n])) * face[n];
+  for (int n = 0; n < 3; ++n) {
+    const Vec3i& step = kAxes[static_cast<std::size_t>(n)];
+    area[n] = std::abs(filled_beside(cell, cell + step) - filled_beside(cell, cell - step)) * volume / edges_[n];
   }
-  const auto across = static_cast<std::size_t>(std::ranges::max_element(area) - area.begin());
-  double square = std::pow(std::max(area[across], face[across]), 2.0);
-  for (std::size_t n = 0; n < 3; ++n)
-    if (n != across) square += std::pow(0.5 * area[n], 2.0);
-  return volume * static_cast<double>(inverse_whole_[here]) / (2.0 * config_.conductivity * square);
+  return area;
 }
 
-void HeatField::place_beside(const Vec3i& cell, double joule) {
+// Heat enters through the cut surface. Over its area, half the bone of the cell is the way to its mean.
+double HeatField::half_resistance(const Vec3i& cell) const noexcept {
+  const double volume = edges_.x * edges_.y * edges_.z;
+  const Vec3 area = cut_surface(cell);  // across the axis on which they differ most, the cells beside differ over one cell, else over two
+  const int across = area.x >= area.y && area.x >= area.z ? 0 : area.y >= area.z ? 1 : 2;
+  double square = std::pow(std::max(area[across], volume / edges_[across]), 2.0);
+  for (int n = 0; n < 3; ++n)
+    if (n != across) square += std::pow(0.5 * area[n], 2.0);
+  return volume * static_cast<double>(inverse_whole_[domain_.offset_of(cell)]) / (2.0 * config_.conductivity * square);
+}
+
+double HeatField::outflow(const Vec3i& cell) const noexcept {
+  const std::size_t here = domain_.offset_of(cell);
+  const double volume = edges_.x * edges_.y * edges_.z;
+  double sum = 0.0;
+  for (int n = 0; n < 3; ++n)
+    for (const Vec3i& next : {cell - kAxes[static_cast<std::size_t>(n)], cell + kAxes[static_cast<std::size_t>(n)]}) {
+      if (!domain_.contains(next)) continue;
+      const std::size_t there = domain_.offset_of(next);
+      const float conducts = joint(share_[here], inverse_whole_[here], share_[there], inverse_whole_[there]);
+      sum += config_.conductivity * volume / (edges_[n] * edges_[n]) * static_cast<double>(conducts * (rise_[here] - rise_[there]));
+    }
+  return sum;
+}
+
+HeatField::Behind HeatField::behind(const Vec3i& cell) const noexcept {
+  Vec3 inwards(0.0);
+  for_each_voxel(VoxelBox{cell, cell + 1}.grown(1).intersect(domain_), [&](const Vec3i& at) {
+    if (share(at) >= kLeastShare) inwards += Vec3(at - cell) * filled(at);
+  });
+  Behind out;
+  double sum = 0.0;
+  for (int n = 0; n < 3; ++n) {
+    const Vec3i step = kAxes[static_cast<std::size_t>(n)];
+    const Vec3i at = cell + (inwards[n] > 0.0 ? step : -step);
+    out.cells[static_cast<std::size_t>(n)] = at;
+    if (share(at) >= kLeastShare) sum += out.part[n] = inwards[n] * inwards[n] * static_cast<double>(share(at));
+  }
+  if (sum > 0.0) out.part /= sum;
+  return out;
+}
+
+void HeatField::put(const Vec3i& cell, double joule, const Vec3& along) {
+  sources_.push_back({domain_.offset_of(cell), static_cast<float>(joule / unit_), along});
+  warm_.include(cell);
+}
+
+void HeatField::place_behind(const Vec3i& cell, const Behind& behind, double joule) {
+  if (behind.part != Vec3(0.0)) {
+    for (int n = 0; n < 3; ++n)
+      if (behind.part[n] > 0.0) {
+        Vec3 along(0.0);
+        along[n] = 1.0;
+        put(behind.cells[static_cast<std::size_t>(n)], joule * behind.part[n], along);
+      }
+    return;
+  }
   const VoxelBox around = VoxelBox{cell, cell + 1}.grown(1).intersect(domain_);
   double bone = 0.0;
   for_each_voxel(around, [&](const Vec3i& at) { bone += share(at) >= kLeastShare ? static_cast<double>(share(at)) : 0.0; });
@@ -126,8 +178,12 @@ void HeatField::place_beside(const Vec3i& cell, double joule) {
     return;
   }
   for_each_voxel(around, [&](const Vec3i& at) {
-    if (share(at) >= kLeastShare) add(domain_.offset_of(at), at, joule * static_cast<double>(share(at)) / bone);
+    if (share(at) >= kLeastShare) put(at, joule * static_cast<double>(share(at)) / bone, Vec3(1.0 / 3.0));
   });
+}
+
+void HeatField::remember(std::size_t at, double share) {
+  if (share > 0.0) removals_.push_back({at, static_cast<float>(share), rise_[at]});
 }
 
 void HeatField::settle(double part) {
@@ -135,14 +191,26 @@ void HeatField::settle(double part) {
     const std::size_t here = domain_.offset_of(heating.cell);
     // Bone left at the mean temperature of its cell: what it carried away above that is taken from the heat of cutting.
     const double fill = (static_cast<double>(share_[here]) + 0.5 * heating.share) * static_cast<double>(inverse_whole_[here]);
-    const double warmer = fill * half_resistance(heating.cell) * heating.joule / heating_;
+    const double power = heating.joule / heating_,
+                 onwards = share_[here] >= kLeastShare ? std::clamp(outflow(heating.cell), 0.0, power) : power;
+    const double warmer = fill * half_resistance(heating.cell) * (2.0 * power + onwards) / 3.0;
     const double taken = std::min(unit_ * heating.share * warmer, heating.joule), joule = part * (heating.joule - taken);
     balance_.chips += taken;
-    if (heating.share > 0.0) removals_.push_back({heating.cell, static_cast<float>(heating.share), rise_[here]});
-    if (share_[here] >= kLeastShare)
-      add(here, heating.cell, joule);
-    else
-      place_beside(heating.cell, joule);
+    if (share_[here] >= kLeastShare) {
+      const Vec3 area = cut_surface(heating.cell);
+      const double square = glm::dot(area, area);
+      if (square > 0.0)
+        put(heating.cell, joule, area * area / square);
+      else  // an undo brought its bone back
+        add(here, heating.cell, joule);
+      remember(here, heating.share);
+      cut_[here] = 0.5f * static_cast<float>(heating.share);
+    } else {  // the bone behind it is as warm as the rest of it was
+      const Behind next = behind(heating.cell);
+      place_behind(heating.cell, next, joule);
+      for (int n = 0; n < 3; ++n)
+        if (next.part[n] > 0.0) remember(domain_.offset_of(next.cells[static_cast<std::size_t>(n)]), heating.share * next.part[n]);
+    }
     heating.share = 0.0;
     heating.joule -= taken + joule;
     if (part == 1.0) slot_[here] = 0;
@@ -215,10 +283,7 @@ void HeatField::step(double dt) {
 
 void HeatField::conduct(double dt) {
   ++steps_;
-  if (warm_.empty()) {
-    removals_.clear();
-    return;
-  }
+  if (warm_.empty()) return;
   const Vec3 lambda = Vec3(config_.diffusivity() * dt) / (edges_ * edges_);
   // A backward step spreads heat as exp(-x / sqrt(lambda)) over x cells: to less than a thousandth beyond this margin.
   const Vec3i margin = 2 + floor_int(7.0 * glm::sqrt(lambda));
@@ -226,8 +291,11 @@ void HeatField::conduct(double dt) {
   conducted_ += box.count();
   for (int turn = 0; turn < 3; ++turn) {
     const int axis = steps_ % 2 == 0 ? turn : 2 - turn;
+    for (const Source& source : sources_) source_[source.at] += source.amount * static_cast<float>(source.along[axis]);
     sweep(axis, box, lambda[axis]);
+    for (const Source& source : sources_) source_[source.at] = 0.0f;
   }
+  sources_.clear();
   catch_up();
   finish(box, dt);
 }
@@ -240,8 +308,8 @@ double HeatField::implicit_share(double lambda) noexcept {
 // Bone left during a step at the temperature of its cell before it: at the mean of that and of the one after it, it takes the rest now.
 void HeatField::catch_up() {
   for (const Removal& removal : removals_) {
-    const std::size_t here = domain_.offset_of(removal.cell);
-    if (share_[here] < kLeastShare) continue;
+    const std::size_t here = removal.at;
+    cut_[here] = 0.0f;
     const float share = std::min(removal.share, share_[here]), rest = 0.5f * (rise_[here] - removal.rise) * share;
     rise_[here] -= rest / share_[here];
     balance_.chips += unit_ * static_cast<double>(rest);
@@ -292,12 +360,12 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
         const bool inside = n + 1 < length;
         const float beyond = opens_high ? here : 0.0f;  // the last cell of the box
         const float next_share = inside ? share_[at + next] : beyond, next_inverse = inside ? inverse_whole_[at + next] : inverse;
-        const float high = joint(here, inverse, next_share, next_inverse);
-        // Backward Euler between cells of cut bone: an explicit part would lead away heat of cutting before it has warmed its cell.
-        const bool whole = !inside || (here * inverse > kWhole && next_share * next_inverse > kWhole);
-        const float explicit_high = whole ? explicit_part * high : 0.0f, implicit_high = all * high - explicit_high;
+        const float high = joint(here + cut_[at], inverse, next_share + (inside ? cut_[at + next] : 0.0f), next_inverse);
+        // In cut bone at most what makes no new extremum, half the smaller share; in whole bone it always is.
+        const float explicit_high = std::min(explicit_part * high, 0.5f * std::min(here, next_share));
+        const float implicit_high = all * high - explicit_high;
         const float old_low = n > 0 ? rise_[at - next] : 0.0f, old_high = inside ? rise_[at + next] : 0.0f;
-        const float right = here * old - (explicit_low * (old - old_low) + explicit_high * (old - old_high));
+        const float right = here * old + source_[at] - (explicit_low * (old - old_low) + explicit_high * (old - old_high));
         const float partial_low = n > 0 ? partial_[(n - 1) * lines + line] : 0.0f;
         const float held = here >= kLeastShare ? here + implicit_low * (n > 0 ? rest_[line] : 1.0f) : 1.0f;
         const float pivot = held + implicit_high;

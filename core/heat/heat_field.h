@@ -4,12 +4,16 @@
 ///   over the part g / m of half a cell on either side: conductance k (A / d) 2 m^2 / (g1 / w1 + g2 / w2). In bone that is not cut this is the
 ///   harmonic mean of w1 and w2. A cell with f < kLeastShare holds no heat. A free surface is insulated unless it is cooled. Beyond the domain,
 ///   bone is at body temperature.
-///   Cutting  its heat enters evenly over the steps of conduction. The temperature of a cell is the mean of its bone. Bone leaves at that of the
-///           cut surface: with the power P through a cut of the area S, warmer by P g V / (2 k w S^2), half the rise across the bone of the cell.
+///   Cutting  its heat enters evenly over the steps of conduction, with the sweeps along the axes in proportion to the squares of the
+///           components of the cut surface; that of a cell that is empty then, in the cells behind it. The temperature of a cell is the mean
+///           of its bone. Bone leaves at that of the cut surface: with the power P through a cut of the area S, warmer by
+///           P g V / (2 k w S^2), half the rise across the bone of the cell; g and T are the means of a step. Conductances are those of the
+///           middle of a step.
 ///   Integration  along one axis after the other (locally one-dimensional), the order reversed from step to step. Along an axis of the
 ///           number lambda = k dt / (rho c h^2), a share s of the step is implicit: s = 1/2 - 1 / (12 lambda), at least 0, for lambda up to
-///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. s = 1 at cut bone
-///           too. Each sweep keeps the energy, and makes no new extremum, at any length of the step.
+///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. Between cells of cut
+///           bone the explicit part of the conductance is at most half of the smaller share. Each sweep keeps the energy, and makes no new
+///           extremum, at any length of the step.
 ///   Frame   cells, i fastest.   Units  SI; temperatures as the rise above the body's [K]; dose [min] of thermal_dose.h.
 ///   Errors  out_of_range from create().   Thread  one.
 ///   Source  own derivation from the heat equation; values of bone: [facts] heat.
@@ -65,13 +69,13 @@ class HeatField {
   /// @param edges [m] of a cell. @param domain in cells; without bone at first, all at body temperature.
   [[nodiscard]] static Result<HeatField> create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain);
   /// @returns the memory [bytes] of a domain of that many cells.
-  [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells) noexcept { return cells * (5 * sizeof(float) + sizeof(std::uint32_t)); }
+  [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells) noexcept { return cells * (7 * sizeof(float) + sizeof(std::uint32_t)); }
 
   /// Sets the share of bone in a box of cells, i fastest; parts outside the domain are ignored. Bone that vanishes takes its heat with it
   /// (chips), and the loss is remembered for release(). Bone that appears is at body temperature.
   void set_bone(const VoxelBox& box, std::span<const float> share);
   /// Releases heat [J] at the bone that was removed since the last call: each cell's part in proportion to its loss, to the cell, or, if
-  /// it is empty, to its 26 neighbours, in proportion to the bone that is left in them. The heat enters with the steps of the next advance().
+  /// it is empty, to the bone behind it. The heat enters with the steps of the next advance().
   void release(double joule);
   /// Forgets losses that are no cutting, as after an undo.
   void forget_losses() noexcept { losses_.clear(); }
@@ -113,17 +117,30 @@ class HeatField {
   [[nodiscard]] float at(const std::vector<float>& field, const Vec3i& cell) const noexcept {
     return domain_.contains(cell) ? field[domain_.offset_of(cell)] : 0.0f;
   }
+  /// The bone behind a cell that was cut away.
+  struct Behind {
+    std::array<Vec3i, 3> cells;  // next to it along each axis
+    Vec3 part{0.0};              // [-] of the cut surface that faces each, sum 1; all 0: none of them has bone
+  };
   void add(std::size_t at, const Vec3i& cell, double joule);
   /// Puts a part of the heat that waits into bone, and takes from each cell what its bone carried away above its mean temperature.
   void settle(double part);
-  void place_beside(const Vec3i& cell, double joule);
+  [[nodiscard]] Behind behind(const Vec3i& cell) const noexcept;
+  void place_behind(const Vec3i& cell, const Behind& behind, double joule);
+  /// Heat for the next step. @param along [-] the part that enters with the sweep along each axis.
+  void put(const Vec3i& cell, double joule, const Vec3& along);
+  void remember(std::size_t at, double share);
   void conduct(double dt);
   void catch_up();
   [[nodiscard]] double filled(std::size_t at) const noexcept {
     return static_cast<double>(share_[at]) * static_cast<double>(inverse_whole_[at]);
   }
+  /// @returns the components of the cut surface in a cell [m^2], twice as large if the cells on both sides of it differ.
+  [[nodiscard]] Vec3 cut_surface(const Vec3i& cell) const noexcept;
   /// @returns how much warmer the cut surface of a full cell is than the mean of its bone [K/W].
   [[nodiscard]] double half_resistance(const Vec3i& cell) const noexcept;
+  /// @returns the flow of heat from a cell to those beside it [W].
+  [[nodiscard]] double outflow(const Vec3i& cell) const noexcept;
   void sweep(int axis, const VoxelBox& box, double lambda);
   /// @returns the implicit share of a step along an axis [-].
   [[nodiscard]] static double implicit_share(double lambda) noexcept;
@@ -142,9 +159,14 @@ class HeatField {
     double joule;  // [J] that waits for a step
   };
   struct Removal {
-    Vec3i cell;
-    float share;  // [-] of bone that was removed before a step
-    float rise;   // [K] at which it left
+    std::size_t at;  // the cell, or one behind it if it is empty now
+    float share;     // [-] of bone that was removed before a step
+    float rise;      // [K] of that cell then
+  };
+  struct Source {
+    std::size_t at;
+    float amount;  // [K] in a cell full of bone
+    Vec3 along;    // [-] part for the sweep along each axis
   };
   HeatConfig config_;
   Vec3 edges_;
@@ -158,9 +180,12 @@ class HeatField {
   std::vector<float> inverse_whole_;                                 // [-] one over the largest share so far
   std::vector<std::uint32_t> slot_;                                  // one more than the place in heatings_; 0: none
   std::vector<float> slope_, partial_, rest_, implicit_, explicit_;  // scratch of a sweep
+  std::vector<float> source_;                                        // [K] that enters with a sweep; 0 between
+  std::vector<float> cut_;                                           // [-] half of what was removed before a step; 0 after it
   std::vector<Loss> losses_;                                         // since release()
   std::vector<Heating> heatings_;                                    // since a step
   std::vector<Removal> removals_;                                    // of the step
+  std::vector<Source> sources_;                                      // of the step
   HeatBalance balance_;
   std::uint64_t steps_ = 0, conducted_ = 0;
 };

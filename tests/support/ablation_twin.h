@@ -65,17 +65,18 @@ inline AblationTwin ablate(double flow, double feed, double length, double secon
   return out;
 }
 
-/// @returns the error of the heat in bone in a field that is derived [-]. Bone of the thickness d has a parabola of temperature. The field takes it for
-/// a line, so bone leaves too warm by d^2 v q / (6 alpha k), over the rise of a steady cut, q / (rho c v), by (d v / alpha)^2 / 6; d is at most a cell.
-/// What bone has too little is what chips have too much. Half a tick of heat comes too early or too late.
+/// @returns the error of the heat in bone in a field that is derived [-]. A steady cut warms bone by exp(-x v / alpha) of its rise at the depth x. Between the
+/// means of a cut cell of the thickness d and of a whole one of h, the field takes the rise for a line; of the parabola the cut cell is colder by
+/// (h^2 - d^2) / 6 (v / alpha)^2 of its rise. So bone leaves too warm by at most (h v / alpha)^2 / 6. What bone has too little is what chips have too
+/// much. Half a tick of heat comes too early or too late.
 /// @param flow, feed as above. @param edge [m] of a cell. @param tick [s].
 inline double heat_error(const AblationTwin& exact, double flow, double feed, double edge, double tick) {
   return exact.chips / exact.in_bone * std::pow(edge * feed / HeatConfig{}.diffusivity(), 2.0) / 6.0 + 0.5 * tick * flow / exact.in_bone;
 }
 
-/// @returns the longest time [s] by which the dose of the inner face in a field lags if its last cell holds a share s of bone as loaded. While all warm
-/// by r [K/s], that bone lags the mean of the next cell by (1 + s) / 2 r h^2 / alpha, since it conducts with k s and not over its thickness s h.
-/// Of a parabola the lag is (1 + 2 s) (1 + s) / 6 r h^2 / alpha. The difference is largest for s = 0, a third, and 0 for s = 1.
-inline double longest_lag(double edge) { return edge * edge / (3.0 * HeatConfig{}.diffusivity()); }
+/// @returns the time [s] by which the dose of the inner face in a field lags if its last cell holds a share s of bone as loaded. While all warm by
+/// r [K/s], that bone lags the mean of the next cell by (1 + s) / 2 r h^2 / alpha, since it conducts with k s and not over its thickness s h.
+/// Of a parabola the lag is (1 + 2 s) (1 + s) / 6 r h^2 / alpha. The difference, (1 - s^2) / 3, is largest for s = 0, and 0 for s = 1.
+inline double lag_of_face(double edge, double share) { return (1.0 - share * share) / 3.0 * edge * edge / HeatConfig{}.diffusivity(); }
 
 }  // namespace burrhole::test

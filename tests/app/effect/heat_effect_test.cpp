@@ -100,7 +100,7 @@ TEST_CASE(
     const double error = figure(simulation, "heat", "in_bone_J") / (twin.in_bone * area) - 1.0;
     const double kelvin = std::log2(figure(simulation, "heat", "dose_inner_face_min") / twin.inner_dose);
     const double edge = cell * run.voxel(), derived = heat_error(twin, flow, kFeed, edge, 1.0 / rate);
-    const double lag = std::log2(ablate(flow, kFeed, length, seconds - longest_lag(edge)).inner_dose / twin.inner_dose);
+    const double lag = std::log2(ablate(flow, kFeed, length, seconds - lag_of_face(edge, 0.0)).inner_dose / twin.inner_dose);
     MESSAGE("cells of " << cell << " voxels of " << voxel << " mm, " << rate << " Hz, " << length * 1e3 << " mm, " << area * 1e6
                         << " mm2: " << error * 100.0 << " %, derived " << derived * 100.0 << " %; inner face " << kelvin << " K of "
                         << twin.inner_rise << ", lag " << lag << " K");

@@ -64,6 +64,12 @@ double derived(const AblationTwin& exact, double edge, double tick) { return hea
 
 AblationTwin twin() { return ablate(kFlow, kFeed, kLength, kSeconds); }
 
+/// @returns how much too cold the inner face may be [K]: 3 %, and the lag of bone that fills a part of a cell.
+double face_bound(const AblationTwin& exact, double edge, double offset) {
+  const double late = ablate(kFlow, kFeed, kLength, kSeconds - lag_of_face(edge, 1.0 - offset)).inner_dose;
+  return kBound * exact.inner_rise + std::log2(exact.inner_dose / late);  // above 43 C the dose doubles with each K
+}
+
 }  // namespace
 
 TEST_CASE("heat: of a layer that is cut, the heat in bone and the temperature of the inner face converge with the cells in second order") {
@@ -79,7 +85,8 @@ TEST_CASE("heat: of a layer that is cut, the heat in bone and the temperature of
       CHECK(column.unexplained < 1e-4);
       if (edge > 0.5e-3) continue;
       CHECK(std::abs(error) < kBound);
-      CHECK(std::abs(kelvin) < kBound * exact.inner_rise);  // above 43 C the dose doubles with each K
+      CHECK(kelvin < kBound * exact.inner_rise);
+      CHECK(kelvin > -face_bound(exact, edge, offset));
     }
 }
 
@@ -101,7 +108,8 @@ TEST_CASE("heat: heat that is put into the cut cell at once, and bone that leave
     const Column column = cut(edge, 0.02, 0.0, true);
     MESSAGE("cells of " << edge * 1e3 << " mm: heat " << (column.in_bone / exact.in_bone - 1.0) * 100.0 << " %, inner face "
                         << std::log2(column.inner_dose / exact.inner_dose) << " K");
-    CHECK(std::abs(column.in_bone / exact.in_bone - 1.0) > derived(exact, edge, 0.02));
+    CHECK(std::log2(column.inner_dose / exact.inner_dose) >
+          kBound * exact.inner_rise);  // the heat alone may agree: the two errors differ in sign
   }
 }
 
