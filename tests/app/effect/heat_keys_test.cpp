@@ -1,0 +1,208 @@
+// [heat] in a scene: the amount by which each key changes the figure that it names, by closed forms. Bone that conducts a thousand times as well as
+// bone has one temperature everywhere, which follows from what was removed alone.
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/drill/energy.h"
+#include "tests/support/drilled_post.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr double kTick = 0.02;  // [s] of bone
+constexpr double kShare = 0.5;  // [-] of the work that enters bone
+
+/// Keys of [heat]; what a test does not name is as here.
+struct Keys {
+  double share = kShare, conductivity = 0.5, density = 1810.0, capacity = 1250.0, fourier = 0.2236;
+  int cell = 2;
+  std::string more = {};
+  [[nodiscard]] std::string text() const {
+    return fmt::format(
+        "[heat]\nshare = {}\nconductivity_W_per_m_K = {}\ndensity_kg_per_m3 = {}\ncapacity_J_per_kg_K = {}\nfourier = {}\ncell_voxels = "
+        "{}\n{}",
+        share, conductivity, density, capacity, fourier, cell, more);
+  }
+  [[nodiscard]] double diffusivity() const { return conductivity / (density * capacity); }
+  /// [s] of a step of conduction.
+  [[nodiscard]] double step(double voxel) const { return fourier * cell * cell * voxel * voxel / diffusivity(); }
+};
+
+double heat_figure(DrillRun& run, const std::string& name) { return figure(run.simulation(), "heat", name); }
+
+/// A post of one temperature, drilled for some seconds.
+struct EvenPost {
+  static constexpr double kConductivity = 500.0;
+  std::unique_ptr<DrillRun> run;
+  double whole = 0.0, left = 0.0;  // [m^3] of bone before and after
+  std::vector<double> rises;       // [K] by the closed form, after each tick
+  double rise = 0.0;               // [K] the last
+  double error = 0.0;              // [K] derived
+
+  /// Bone of the volume V takes share e dV of heat for each dV that leaves at its temperature: rho c V dT = - share e dV, so
+  /// T = share e / (rho c) ln(V0 / V). The hottest is q L / (3 k) above the mean of a layer of the length L; heat of a tick enters in whole steps of
+  /// conduction, so q is up to twice as large for a step. Heat of the last tick waits for a step.
+  EvenPost(const Keys& keys, double seconds, const std::vector<std::string>& sets = {}) {
+    std::vector<std::string> all{fmt::format("duration_s={}", seconds)};
+    all.insert(all.end(), sets.begin(), sets.end());
+    LoadedScene loaded = drilled_post(keys.text(), all);
+    const double* removed = nullptr;
+    std::vector<double> course;  // [m^3] removed up to the end of each tick of bone
+    std::size_t ticks = 0;
+    WatchedFeed hand(loaded, [&] {
+      if (ticks++ % 20 == 10) course.push_back(*removed);
+    });
+    SimulationOptions options;
+    options.hand = &hand;
+    run = std::make_unique<DrillRun>(std::move(loaded), options);
+    removed = column_of(*run, "removed_mass");
+    whole = bone_left(*run);
+    run->run();
+    left = bone_left(*run);
+    course.push_back(*removed);
+    REQUIRE(course.back() == doctest::Approx(whole - left).epsilon(1e-4));
+    const double source = keys.share * EnergyConfig{}.specific_energy, unit = keys.density * keys.capacity;
+    for (std::size_t n = 1; n < course.size(); ++n) rises.push_back(source / unit * std::log(whole / (whole - course[n])));
+    rise = rises.back();
+    const double length = left / 4e-6, flow = source * kPostFeed;
+    error = 2.0 * flow * length / (3.0 * keys.conductivity) + flow / (unit * length) * (kTick + keys.step(run->voxel()));
+  }
+  /// @returns the dose [min] of a body of 43 C, from which on it grows by 2^rise; bone warmer by less than 0.01 K is not warm.
+  [[nodiscard]] double dose() const {
+    double out = 0.0;
+    for (const double one : rises) out += one >= 0.01 ? std::exp2(one) * kTick / 60.0 : 0.0;
+    return out;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("heat: density_kg_per_m3 and capacity_J_per_kg_K divide the rise of a post of one temperature; the heat in it stays") {
+  for (const auto& [density, capacity, cell] : {std::tuple{1810.0, 1250.0, 2},
+                                                {905.0, 1250.0, 2},
+                                                {3000.0, 1250.0, 2},
+                                                {1810.0, 625.0, 2},
+                                                {1810.0, 4000.0, 2},
+                                                {1810.0, 1250.0, 1}}) {
+    CAPTURE(density);
+    CAPTURE(capacity);
+    CAPTURE(cell);
+    const Keys keys{.conductivity = EvenPost::kConductivity, .density = density, .capacity = capacity, .fourier = 10.0, .cell = cell};
+    const EvenPost post(keys, 10.0);
+    const double rise = heat_figure(*post.run, "hottest_C") - 37.0, in_bone = heat_figure(*post.run, "in_bone_J");
+    MESSAGE("rise " << rise << " K, closed form " << post.rise << " K, derived error " << post.error << " K");
+    CHECK(std::abs(rise - post.rise) < post.error);
+    CHECK(std::abs(rise - 1.1 * post.rise) > 3.0 * post.error);  // sabotage: as if a key were wrong by a tenth
+    const double heat = kShare * EnergyConfig{}.specific_energy * post.left * std::log(post.whole / post.left);
+    CHECK(in_bone == doctest::Approx(heat).epsilon(post.error / post.rise));
+  }
+}
+
+TEST_CASE(
+    "heat: conductivity_W_per_m_K: bone that conducts n times as well is as warm if all goes n times as fast, with one n-th of the dose") {
+  struct Course {
+    double hottest, in_bone, dose, released;
+  };
+  const auto course = [](double conductivity, int speed) {
+    DrillRun run(drilled_post(Keys{.conductivity = conductivity, .more = "body_C = 48\n"}.text(),
+                              {fmt::format("servo_hz={}", 1000 * speed), fmt::format("erosion.rate_hz={}", 50 * speed),
+                               fmt::format("hand.feed_mm_per_s={}", 0.15 * speed), fmt::format("duration_s={}", 20.0 / speed)}));
+    run.run();
+    return Course{heat_figure(run, "hottest_C"), heat_figure(run, "in_bone_J"), heat_figure(run, "dose_inner_face_min"),
+                  heat_figure(run, "released_J")};
+  };
+  const Course slow = course(0.4, 1);
+  for (const int n : {2, 4}) {
+    CAPTURE(n);
+    const Course fast = course(0.4 * n, n), wrong = course(0.44 * n, n);
+    MESSAGE("hottest " << slow.hottest << ", " << fast.hottest << ", " << wrong.hottest << " C; in bone " << slow.in_bone << ", "
+                       << fast.in_bone << ", " << wrong.in_bone << " J; dose " << slow.dose << ", " << fast.dose << ", " << wrong.dose
+                       << " min");
+    // Each number of the one run is that of the other times a power of two, up to rounding of the places of the bit.
+    REQUIRE(fast.dose > 1.0);  // above the minute at which the dose below a face is extrapolated with another slope
+    CHECK(fast.released == doctest::Approx(slow.released).epsilon(1e-5));
+    CHECK(fast.hottest - 48.0 == doctest::Approx(slow.hottest - 48.0).epsilon(1e-5));
+    CHECK(fast.in_bone == doctest::Approx(slow.in_bone).epsilon(1e-5));
+    CHECK(fast.dose == doctest::Approx(slow.dose / n).epsilon(1e-5));
+    CHECK(std::abs(wrong.in_bone / slow.in_bone - 1.0) > 0.01);  // sabotage: a conductivity that is wrong by a tenth
+    CHECK(std::abs(wrong.dose * n / slow.dose - 1.0) > 0.1);
+  }
+}
+
+TEST_CASE("heat: fourier is the length of a step of conduction, so steps are the time over it") {
+  const auto steps = [](const Keys& keys) {
+    DrillRun run(drilled_post(keys.text(), {"duration_s=4.0"}));
+    run.run();
+    return heat_figure(run, "steps");
+  };
+  const double voxel = 0.25e-3;
+  for (const Keys& keys :
+       {Keys{.fourier = 0.01}, Keys{.fourier = 0.02}, Keys{.fourier = 0.011}, Keys{.conductivity = 0.8, .fourier = 0.02},
+        Keys{.density = 905.0, .fourier = 0.02}, Keys{.capacity = 2500.0, .fourier = 0.01}, Keys{.fourier = 0.02, .cell = 1}}) {
+    const double expected = 4.0 / keys.step(voxel), found = steps(keys);
+    MESSAGE(found << " steps, expected " << expected);
+    CHECK(std::abs(found - std::floor(expected)) <= 1.0);  // the last may end with the run
+    CHECK(std::abs(found - 1.1 * expected) > 10.0);        // sabotage
+  }
+}
+
+TEST_CASE(
+    "heat: damage_dose_min is the dose above which bone dies: all bone of one temperature, whose dose follows from its course, or none") {
+  const auto keys = [](double limit) {
+    return Keys{.share = 0.1,
+                .conductivity = EvenPost::kConductivity,
+                .fourier = 16.0,
+                .cell = 1,
+                .more = fmt::format("body_C = 43\ndamage_dose_min = {:.17g}\n", limit)};
+  };
+  const EvenPost post(keys(16.0), 10.0);
+  const double dose = post.dose(), error = std::exp2(post.error) - 1.0;
+  MESSAGE("dose " << heat_figure(*post.run, "dose_inner_face_min") << " min, twin " << dose << " min, derived " << error * 100.0 << " %");
+  REQUIRE(error < 0.02);
+  CHECK(heat_figure(*post.run, "dose_inner_face_min") == doctest::Approx(dose).epsilon(error));
+  for (const double factor : {0.97, 1.03}) {  // a limit that is wrong by a tenth would be on the other side once
+    CAPTURE(factor);
+    const EvenPost limited(keys(factor * dose), 10.0);
+    CHECK(heat_figure(*limited.run, "dead_bone_mm3") == doctest::Approx(factor < 1.0 ? limited.left * 1e9 : 0.0).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("heat: reach_mm is the distance of the box's faces from the drilled line, cell_voxels the edge of its cells") {
+  // Voxels of 0.1 mm; the line goes from the middle of the post's face 3 mm down.
+  DrillRun plain(drilled_post("", {"volume.spacing_mm=0.1"}));
+  const Affine index_from_bone = plain.loaded().bone->bone_from_index().inverse();
+  const auto expected = [&](double reach, int cell) {
+    double count = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 low(0.0), high(0.0);
+      low[axis] = -reach * 1e-3 - (axis == 2 ? 3e-3 : 0.0);
+      high[axis] = reach * 1e-3;
+      const double first = std::floor(std::floor((index_from_bone * low)[axis]) / cell);
+      const double last = std::floor(std::floor((index_from_bone * high)[axis]) / cell);
+      count *= last - first + 1.0;
+    }
+    return count;
+  };
+  for (const double reach : {0.87, 1.23})
+    for (const int cell : {1, 2, 3}) {
+      CAPTURE(reach);
+      CAPTURE(cell);
+      DrillRun run(drilled_post(Keys{.cell = cell, .more = fmt::format("reach_mm = {}\n", reach)}.text(), {"volume.spacing_mm=0.1"}));
+      const double cells = heat_figure(run, "cells");
+      MESSAGE(cells << " cells, expected " << expected(reach, cell));
+      CHECK(cells == expected(reach, cell));
+      if (cell == 1) CHECK(cells != expected(1.1 * reach, cell));  // sabotage
+      CHECK(cells != expected(reach, cell + 1));
+      for (const Stage::MadeEffect& made : run.simulation().stage().effects())
+        for (const ValueMap& map : made.effect->maps()) CHECK(map.pitch == doctest::Approx(0.1 * cell).epsilon(1e-9));
+    }
+}
+
+}  // namespace burrhole::test
