@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/color_ramp.h"
 #include "core/drill/energy.h"
 #include "tests/support/drilled_post.h"
 
@@ -81,6 +82,17 @@ struct EvenPost {
     return out;
   }
 };
+
+Keys even_keys(const std::string& more) { return {.conductivity = EvenPost::kConductivity, .fourier = 10.0, .more = more}; }
+
+/// @returns whether all vertices have the colour of a place on the scale, to `off` of it and to rounding.
+bool colours_fit(const AddedMesh& mesh, double place, double off) {
+  const RampColor a = ramp_color(place - off), b = ramp_color(place + off), middle = ramp_color(place);
+  const auto between = [](int value, int x, int y, int z) { return value >= std::min({x, y, z}) - 1 && value <= std::max({x, y, z}) + 1; };
+  return !mesh.colors.empty() && std::ranges::all_of(mesh.colors, [&](const Rgba8& c) {
+    return between(c.r, a.r, b.r, middle.r) && between(c.g, a.g, b.g, middle.g) && between(c.b, a.b, b.b, middle.b);
+  });
+}
 
 }  // namespace
 
@@ -203,6 +215,67 @@ TEST_CASE("heat: reach_mm is the distance of the box's faces from the drilled li
       for (const Stage::MadeEffect& made : run.simulation().stage().effects())
         for (const ValueMap& map : made.effect->maps()) CHECK(map.pitch == doctest::Approx(0.1 * cell).epsilon(1e-9));
     }
+}
+
+TEST_CASE("heat picture: lowest_C and highest_C are the ends of the scale: the colour of bone of a known temperature, and none below") {
+  const auto shown = [](const std::string& keys) {
+    const EvenPost post(even_keys("[heat.picture]\n" + keys), 10.0);
+    return std::pair{mesh_of(*post.run), post.rise};
+  };
+  const EvenPost plain(even_keys(""), 10.0);
+  const double celsius = 37.0 + plain.rise;
+  for (const auto& [lowest, highest] : {std::pair{40.0, 60.0}, {44.0, 60.0}, {40.0, 50.0}, {30.0, 90.0}, {20.0, 60.0}}) {
+    CAPTURE(lowest);
+    CAPTURE(highest);
+    const AddedMesh mesh = shown(fmt::format("lowest_C = {}\nhighest_C = {}\n", lowest, highest)).first;
+    const double place = (celsius - lowest) / (highest - lowest), off = plain.error / (highest - lowest);
+    CHECK(colours_fit(mesh, place, off));
+    CHECK_FALSE(colours_fit(mesh, (celsius - lowest) / (1.1 * highest - lowest), off));  // sabotage
+    CHECK_FALSE(colours_fit(mesh, (celsius - 1.1 * lowest) / (highest - 1.1 * lowest), off));
+  }
+  // The face and the sides of the post, all or nothing.
+  const AddedMesh below = shown(fmt::format("lowest_C = {}\n", celsius - plain.error)).first;
+  const AddedMesh above = shown(fmt::format("lowest_C = {}\n", celsius + plain.error)).first;
+  CHECK(area_of(below) == doctest::Approx(area_of(shown("lowest_C = 0\n").first)).epsilon(1e-5));
+  CHECK(area_of(below) > 20e-6);
+  CHECK(area_of(above) == 0.0);
+}
+
+TEST_CASE("heat picture: quantity shows the present temperature, the highest so far, or the dose on a scale round damage_dose_min") {
+  // Saline cools the face while the bit leaves it, until the bit is more than a cell above it. The face is colder than the post by the film's flow times
+  // L / k, 2000 x 3 K x 3 mm / 1000 = 0.02 K, and 0.01 K warmer while it is cut: together 0.004 of a scale of 8 K.
+  const double off = 0.004;
+  const auto cooled = [](const std::string& quantity) {
+    const Keys keys{.conductivity = 1000.0,
+                    .fourier = 20.0,
+                    .more = fmt::format("[heat.picture]\nquantity = \"{}\"\nlowest_C = 36\nhighest_C = 44\n", quantity)};
+    DrillRun run(drilled_post(keys.text() + "[irrigation]\nalways = true\ntemperature_C = 36\n", {"hand.stop_mm=1.0", "duration_s=11.0"}));
+    run.run();
+    struct Seen {
+      AddedMesh mesh;
+      double present, peak;  // [-] of the scale
+    };
+    return Seen{mesh_of(run), (*column_of(run, "hottest") - 36.0) / 8.0, (heat_figure(run, "hottest_C") - 36.0) / 8.0};
+  };
+  const auto now = cooled("temperature"), highest = cooled("peak");
+  MESSAGE("present " << now.present << ", highest " << now.peak << " of the scale");
+  REQUIRE(now.peak - now.present > 10.0 * off);
+  CHECK(colours_fit(now.mesh, now.present, off));
+  CHECK(colours_fit(highest.mesh, highest.peak, off));
+  CHECK_FALSE(colours_fit(highest.mesh, highest.present, off));  // sabotage
+  CHECK_FALSE(colours_fit(now.mesh, now.peak, off));
+
+  // A factor of 16 in the dose is half of the scale.
+  for (const double limit : {0.05, 0.3, 2.0}) {
+    CAPTURE(limit);
+    Keys keys = even_keys(fmt::format("body_C = 43\ndamage_dose_min = {}\n[heat.picture]\nquantity = \"dose\"\n", limit));
+    keys.share = 0.1;
+    const EvenPost post(keys, 10.0);
+    const AddedMesh mesh = mesh_of(*post.run);
+    const auto place = [&](double least) { return 0.5 + std::log2(post.dose() / least) / 8.0; };
+    CHECK(colours_fit(mesh, place(limit), post.error / 8.0));
+    CHECK_FALSE(colours_fit(mesh, place(1.1 * limit), post.error / 8.0));  // sabotage
+  }
 }
 
 }  // namespace burrhole::test
