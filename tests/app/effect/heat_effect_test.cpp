@@ -7,67 +7,30 @@
 #include <memory>
 #include <vector>
 
-#include "app/view/added_mesh.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion.h"
 #include "tests/support/ablation_twin.h"
-#include "tests/support/drill_scene.h"
+#include "tests/support/drilled_post.h"
 
 namespace burrhole::test {
 namespace {
 
-constexpr double kFeed = 0.15e-3;  // [m/s] about that of a burrhole of 7 mm in 45 s
+constexpr double kFeed = kPostFeed;
 
-/// A post that is drilled at a fixed feed by a flat bit wider than it: heat flows along the axis alone.
-LoadedScene post(const std::string& heat, const std::vector<std::string>& sets = {}) {
-  std::string text = scene_text({.volume = kPostKeys, .contact = false});
-  const std::string hand = "push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0\n";
-  const std::size_t at = text.find(hand);
-  REQUIRE(at != std::string::npos);
-  text.replace(at, hand.size(), "kind = \"feed\"\nstandoff_mm = 0.01\nstop_mm = 3\nfeed_mm_per_s = 0.15\n");
-  std::vector<std::string> all{"tool.name=\"punch\"", "tool.erosion_scale=1000", "duration_s=20.0"};
-  all.insert(all.end(), sets.begin(), sets.end());
-  return load_text(text + heat, all);
-}
-
-/// Bone that is left [m^3].
-double bone_left(DrillRun& run) {
-  const Vec3i dims = run.loaded().bone->dims();
-  std::vector<float> density(VoxelBox{Vec3i(0), dims}.count());
-  run.simulation().voxmap().read_density({Vec3i(0), dims}, density);
-  double sum = 0.0;
-  for (const float value : density) sum += static_cast<double>(value);
-  return sum * std::pow(run.voxel(), 3.0);
-}
-
-PictureSource* picture_of(DrillRun& run) {
-  PictureSource* out = nullptr;
-  for (const Stage::MadeEffect& made : run.simulation().stage().effects())
-    if (PictureSource* source = made.effect->picture_source()) out = source;
-  return out;
-}
+LoadedScene post(const std::string& heat, const std::vector<std::string>& sets = {}) { return drilled_post(heat, sets); }
 
 struct Shown {
   double area = 0.0;                    // [m^2]
-  double light = 0.0;                   // mean of the green channel, which rises along the scale
   double lowest = 1.0, highest = -1.0;  // [m] z of the vertices
 };
 
 Shown shown_of(DrillRun& run) {
-  PictureSource* source = picture_of(run);
-  REQUIRE(source != nullptr);
-  (void)source->copy_for_picture(false);
-  AddedMesh mesh;
-  source->append_mesh(mesh);
-  Shown out;
-  for (const auto& [a, b, c] : mesh.triangles)
-    out.area +=
-        0.5 * static_cast<double>(glm::length(glm::cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a])));
+  const AddedMesh mesh = mesh_of(run);
+  Shown out{.area = area_of(mesh)};
   for (const glm::vec3& p : mesh.vertices) {
     out.lowest = std::min(out.lowest, static_cast<double>(p.z));
     out.highest = std::max(out.highest, static_cast<double>(p.z));
   }
-  for (const Rgba8& color : mesh.colors) out.light += static_cast<double>(color.g) / static_cast<double>(mesh.colors.size());
   return out;
 }
 
@@ -164,11 +127,11 @@ TEST_CASE("heat: it depends little on the rate of the bone steps, from 10 ms to 
     in_bone.push_back(figure(run.simulation(), "heat", "in_bone_J"));
   }
   // A step of 0.2 s is 0.03 mm of feed, of cells of 0.5 mm: 6 % of a cell is at most in another state.
-  CHECK(in_bone[0] == doctest::Approx(in_bone[2]).epsilon(0.06));
-  CHECK(in_bone[1] == doctest::Approx(in_bone[2]).epsilon(0.015));
+  CHECK(std::abs(in_bone[0] / in_bone[2] - 1.0) < 0.06);
+  CHECK(std::abs(in_bone[1] / in_bone[2] - 1.0) < 0.015);
 }
 
-TEST_CASE("heat: each key changes what it names") {
+TEST_CASE("heat: share, specific_energy_J_per_mm3 and body_C change what is released and the hottest temperature in proportion") {
   const auto run = [](const std::string& keys, const char* name) {
     DrillRun drilled(post("[heat]\n" + keys, {"duration_s=6.0"}));
     drilled.run();
@@ -178,11 +141,6 @@ TEST_CASE("heat: each key changes what it names") {
   CHECK(run("share = 0.25\n", "released_J") == doctest::Approx(0.5 * released).epsilon(1e-6));
   CHECK(run("specific_energy_J_per_mm3 = 0.3\n", "released_J") == doctest::Approx(3.0 * released).epsilon(1e-6));
   CHECK(run("body_C = 20\n", "hottest_C") == doctest::Approx(hottest - 17.0).epsilon(1e-6));
-  CHECK(run("conductivity_W_per_m_K = 0.8\n", "hottest_C") < hottest - 0.5);
-  CHECK(run("density_kg_per_m3 = 905\n", "hottest_C") > hottest + 2.0);
-  CHECK(run("capacity_J_per_kg_K = 625\n", "hottest_C") == doctest::Approx(run("density_kg_per_m3 = 905\n", "hottest_C")).epsilon(1e-6));
-  CHECK(run("damage_dose_min = 1e-6\n", "dead_bone_mm3") > run("damage_dose_min = 1e6\n", "dead_bone_mm3"));
-  CHECK(run("reach_mm = 1\n", "cells") < run("", "cells"));
 }
 
 TEST_CASE("heat: bone in which heat spreads too fast for the steps is refused at the table, and at once") {
@@ -250,18 +208,9 @@ TEST_CASE(
   for (DrillRun* run : {&dry, &wet, &drops}) CHECK(of(*run, "heat", "balance_error") < 1e-4);
 }
 
-TEST_CASE("irrigation: each key changes what it names") {
-  const auto run = [](const std::string& keys, const char* table, const char* name) {
-    DrillRun drilled(post("[heat]\n[irrigation]\n" + keys, {"duration_s=8.0"}));
-    drilled.run();
-    return figure(drilled.simulation(), table, name);
-  };
-  const double taken = run("", "heat", "coolant_J");
-  CHECK(run("flow_ml_per_min = 0.05\n", "heat", "coolant_J") < 0.9 * taken);
-  CHECK(run("temperature_C = 37\n", "heat", "coolant_J") < 0.5 * taken);
-  CHECK(run("film_W_per_m2_K = 500\n", "heat", "coolant_J") < 0.8 * taken);
-  CHECK(run("reach_mm = 0.6\n", "heat", "coolant_J") < 0.9 * taken);
-  CHECK(run("always = true\n", "irrigation", "on_s") == doctest::Approx(8.0).epsilon(1e-9));
+TEST_CASE("irrigation: with always = true it flows for the whole run") {
+  DrillRun drilled(post("[heat]\n[irrigation]\nalways = true\n", {"duration_s=8.0"}));
+  CHECK(figure(drilled.run().simulation(), "irrigation", "on_s") == doctest::Approx(8.0).epsilon(1e-9));
 }
 
 TEST_CASE("irrigation picture: only if it is asked for, with the same bits; bone is wet within reach of the tip while saline flows") {
@@ -298,7 +247,7 @@ TEST_CASE("heat: without the table there is no step, no column and no figure of 
   CHECK_FALSE(without.simulation().stage().figure("heat", "hottest_C").has_value());
 }
 
-TEST_CASE("heat picture: without its table nothing is drawn; with it the bone has the same bits, and each key changes what it names") {
+TEST_CASE("heat picture: without its table nothing is drawn; with it the bone has the same bits") {
   const auto run = [](const std::string& keys) {
     auto out = std::make_unique<DrillRun>(post("[heat]\n" + keys, {"duration_s=9.0"}));
     out->run();
@@ -313,10 +262,6 @@ TEST_CASE("heat picture: without its table nothing is drawn; with it the bone ha
   // 1.3 mm of the post of 4 mm^2 have been drilled: its face is warm, and nothing is drawn where it was.
   CHECK(shown.area > 4e-6);
   CHECK(shown.highest < -kFeed * 8.0 + 0.5e-3);
-  CHECK(shown_of(*run("[heat.picture]\nlowest_C = 45\n")).area < 0.9 * shown.area);
-  CHECK(shown_of(*run("[heat.picture]\nhighest_C = 90\n")).light < 0.9 * shown.light);
-  CHECK(shown_of(*run("[heat.picture]\nquantity = \"peak\"\n")).area >= shown.area);
-  CHECK(shown_of(*run("[heat.picture]\nquantity = \"dose\"\n")).area > 0.0);
   // Cold at first, and again far above the hottest.
   DrillRun fresh(post("[heat]\n[heat.picture]\n"));
   CHECK(shown_of(fresh).area == 0.0);
