@@ -40,7 +40,7 @@ constexpr double kNear = 2e-3;                  // [m] of a point of the tool ab
 constexpr double kVoxelsAbove = 2.0;            // of the dura, where bone over it is sought: half of one lies in the ramp of its surface
 constexpr double kLeastHeld = 0.75;             // [-] of the places of the rim, in noisy bone with holes
 constexpr int kVoxelsDeep = 4;                  // of bone over the dura, one of which holds it
-constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
+constexpr std::uint64_t kNodeBytes = 1700;      // of a node of the sheet: fields, and twice the matrices of its edges and of bending
 // Of a node, at most, near a rent: 25 corners of 200 bytes with room for 10 more of its edge, 500 for what finds them and for copies, 150 triangles
 // with 75 vertices, 3000, and the last ones in the driver, 4200.
 constexpr std::uint64_t kPictureBytes = 15000;
