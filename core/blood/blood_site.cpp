@@ -84,7 +84,8 @@ void BloodSite::update(const VoxelBox& changed, std::span<const float> density, 
 
 void BloodSite::note_changes(const VoxelBox& of, std::span<const float> density) noexcept {
   const VoxelBox& box = bone_.box;
-  const VoxelBox wide = box.grown(1);
+  const VoxelBox wide = box.grown(1), inner = box.grown(-1);
+  const std::ptrdiff_t line = box.size().x, slab = line * box.size().y;
   const auto length = static_cast<std::size_t>(of.hi.x - of.lo.x);
   for (int k = of.lo.z; k < of.hi.z; ++k)
     for (int j = of.lo.y; j < of.hi.y; ++j) {
@@ -95,6 +96,15 @@ void BloodSite::note_changes(const VoxelBox& of, std::span<const float> density)
         if (row[n] == seen[n]) continue;
         seen[n] = row[n];
         const Vec3i voxel(of.lo.x + static_cast<int>(n), j, k);
+        if (inner.contains(voxel)) {
+          std::uint8_t* const here = is_new_.data() + box.offset_of(voxel);
+          *here |= kOwn;
+          for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, line, slab}) {
+            here[step] |= kBeside;
+            here[-step] |= kBeside;
+          }
+          continue;
+        }
         if (box.contains(voxel)) is_new_[box.offset_of(voxel)] |= kOwn;
         for (const Vec3i& step : kNeighbours)
           if (box.contains(voxel + step)) is_new_[box.offset_of(voxel + step)] |= kBeside;

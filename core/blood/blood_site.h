@@ -2,6 +2,7 @@
 ///   Model  The pores of spongy bone are 1 - (relative mineral density) of its volume, and the same share of each cut through it (Delesse). The area
 ///          of a cut is the integral of |gradient of density| (coarea formula), which does not count the steps of voxels as their faces would.
 ///          A source is a voxel in which, or beside which, bone was taken away; it is fresh whenever the surface in it changes.
+///           A voxel is updated again only if its density or that of one of its six neighbours is new.
 ///          The hole is what was taken away of the bone as loaded. Its volume is kept by height over gravity, in layers of one voxel, so the level
 ///          of what it holds follows directly; it is one pool. It overflows where a voxel of it touches the outside. Below it is closed.
 ///   Frame  index coordinates; heights [m] are along the bone frame's direction against gravity.   Units  SI.
@@ -107,7 +108,7 @@ class BloodSite {
   std::vector<float> cut_;      // [m^2] area of the cut, pores or not
   std::vector<std::uint8_t> waxed_;
   std::vector<float> seen_;             // [-] density of the last update, over the box grown by 1; NaN: none yet
-  std::vector<std::uint8_t> is_new_;    // the voxel, or a neighbour, has another density than when the voxel was looked at
+  std::vector<std::uint8_t> is_new_;    // the voxel, or a neighbour, has another density than when the voxel was updated
   double last_age_ = 0.0, left_ = 1.0;  // of left_after(): most sources of a step are of one age
   bool has_pores_ = false;
   double open_pores_ = 0.0, waxed_pores_ = 0.0, cut_spongy_ = 0.0;

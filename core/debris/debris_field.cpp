@@ -430,12 +430,14 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
         if (x * x + y * y <= reach * reach) covered[node_of(i, j)] = 1;
       }
   }
+  std::array<double, static_cast<std::size_t>(kRaster)> square{};
+  for (int i = 0; i < kRaster; ++i) square[node_of(i, 0)] = node(i) * node(i);
   int inside = 0, hidden = 0;
   for (int j = 0; j < kRaster; ++j)
     for (int i = 0; i < kRaster; ++i) {
-      if (node(i) * node(i) + node(j) * node(j) > radius * radius) continue;
-      ++inside;
-      hidden += covered[node_of(i, j)];
+      const int is_inside = square[node_of(i, 0)] + square[node_of(j, 0)] > radius * radius ? 0 : 1;
+      inside += is_inside;
+      hidden += is_inside & covered[node_of(i, j)];
     }
   return static_cast<double>(hidden) / inside;
 }

@@ -22,10 +22,10 @@ struct SheetSpan {
 };
 
 struct SheetField {
-  double *x, *y, *z;
+  double *x, *y, *z;  ///< [m] or [N]
 };
 struct SheetBlocks {
-  double *xx, *xy, *xz, *yy, *yz, *zz;
+  double *xx, *xy, *xz, *yy, *yz, *zz;  ///< [N/m], or [m/N] of inverse ones
 };
 
 struct SheetJob {
@@ -42,8 +42,8 @@ struct SheetJob {
   SheetField right, out, rest, search, product, conditioned;
   SheetField bent;                  ///< of the nodes of `odd`; 0 at the others
   std::array<SheetField, 3> pulls;  ///< of the edges that begin at a node
-  double tolerance;
-  int most;
+  double tolerance;                 ///< [-]
+  int most;                         ///< [-] steps
 };
 
 /// @returns the steps made.

@@ -19,7 +19,7 @@ namespace burrhole {
 
 /// A symmetric matrix of 3 x 3.
 struct SheetBlock {
-  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;  ///< [N/m], or [m/N] of an inverse one
   [[nodiscard]] Vec3 operator*(const Vec3& v) const noexcept {
     return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
   }
@@ -27,8 +27,8 @@ struct SheetBlock {
 
 /// Rows of a matrix that is the same along x, y and z: row n has the columns [first[n], first[n + 1]), in the order of their sum.
 struct SheetRows {
-  std::vector<std::uint32_t> first{}, column{};
-  std::vector<double> value{};  ///< [N/m]
+  std::vector<std::uint32_t> first{}, column{};  ///< [-]
+  std::vector<double> value{};                   ///< [N/m]
 };
 
 /// What else A has. All are over nodes but `edges`.

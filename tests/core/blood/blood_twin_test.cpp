@@ -1,4 +1,4 @@
-// Voxels whose surroundings did not change are not looked at again: a twin that looks at every voxel of every box has the same bits.
+// Voxels whose surroundings did not change are not updated again: a twin that updates every voxel of every box has the same bits.
 
 #include <doctest/doctest.h>
 
@@ -31,7 +31,7 @@ SiteBone noisy_block() {
   return out;
 }
 
-/// Each voxel of a box is looked at; layers are one voxel high, as z is up.
+/// Each voxel of a box is updated; layers are one voxel high, as z is up.
 class PlainSite {
  public:
   explicit PlainSite(const SiteBone& bone)
@@ -122,7 +122,7 @@ class Bone {
 }  // namespace
 
 TEST_CASE(
-    "blood: updates have the bits of a twin that looks at every voxel, for boxes that overlap, in any order, while bone goes and comes") {
+    "blood: updates have the bits of a twin that updates every voxel, for boxes that overlap, in any order, while bone goes and comes") {
   const SiteBone made = noisy_block();
   Bone bone(made);
   BloodSite site(made);
