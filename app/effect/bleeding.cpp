@@ -274,7 +274,7 @@ class BleedingPlan final : public SwitchedPlan<BleedingPlan, BleedingScene>, pub
     const VoxelBox box = box_of(drilling_way(context.config, context.bone), context.bone.bone_from_index, context.bone.dims);
     const std::uint64_t voxels = box.count();
     const std::uint64_t bytes =
-        sizeof(BleedingEffect) + BloodSite::bytes_of(voxels) + box.grown(1).count() * sizeof(float) + voxels * kPictureBytes;
+        sizeof(BleedingEffect) + BloodSite::bytes_of(box) + box.grown(1).count() * sizeof(float) + voxels * kPictureBytes;
     return {
         .table = "bleeding",
         .clock = Clock::simulation,

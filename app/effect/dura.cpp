@@ -40,7 +40,7 @@ constexpr double kNear = 2e-3;                  // [m] of a point of the tool ab
 constexpr double kVoxelsAbove = 2.0;            // of the dura, where bone over it is sought: half of one lies in the ramp of its surface
 constexpr double kLeastHeld = 0.75;             // [-] of the places of the rim, in noisy bone with holes
 constexpr int kVoxelsDeep = 4;                  // of bone over the dura, one of which holds it
-constexpr std::uint64_t kNodeBytes = 1000;      // of a node of the sheet: fields, and the matrices of its edges and of bending
+constexpr std::uint64_t kNodeBytes = 1700;      // of a node of the sheet: fields, and twice the matrices of its edges and of bending
 // Of a node, at most, near a rent: 25 corners of 200 bytes with room for 10 more of its edge, 500 for what finds them and for copies, 150 triangles
 // with 75 vertices, 3000, and the last ones in the driver, 4200.
 constexpr std::uint64_t kPictureBytes = 15000;
@@ -109,7 +109,11 @@ class DuraEffect final : public Effect {
         sees_bone_(stage.needs.reads_window) {
     for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) highest_ = std::max(highest_, sheet_.rest(n).z);
     fit_tool();
-    look_at_bone();
+    const double above = voxmap_->bone().bone_from_index().mean_edge() * kVoxelsAbove;
+    for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n)
+      over_.push_back(voxel_of(index_from_sheet_ * (sheet_.rest(n) + Vec3(0.0, 0.0, above))));
+    covers_.resize(over_.size());
+    look_at_bone(nullptr);
   }
 
   Status bind(StepGraph& graph) override {
@@ -148,7 +152,7 @@ class DuraEffect final : public Effect {
     growth_ = voxmap_->growth_epoch();
     iterations_ += sheet_.iterations();
     sheet_ = whole_;
-    look_at_bone();
+    look_at_bone(nullptr);
   }
   void report(Figures& out) const override {
     out.add("indentation_mm", largest_indentation_ / kMillimetre);
@@ -185,22 +189,23 @@ class DuraEffect final : public Effect {
     sheet_.reserve(count);
   }
 
-  void look_at_bone() {
+  /// @param changed boxes of bone; null: all of it.
+  void look_at_bone(const VoxelBoxes* changed) {
     open_ = false;
-    const double above = voxmap_->bone().bone_from_index().mean_edge() * kVoxelsAbove;
-    for (std::size_t n = 0; n < sheet_.lattice().nodes(); ++n) {
-      const Vec3i voxel = voxel_of(index_from_sheet_ * (sheet_.rest(n) + Vec3(0.0, 0.0, above)));
-      float density = 0.0f;
-      voxmap_->read_density({voxel, voxel + 1}, std::span(&density, 1));
-      const SheetCover cover = density >= 0.5f ? SheetCover::bone : SheetCover::open;
-      open_ = open_ || cover == SheetCover::open;
-      sheet_.cover(n, cover);
+    for (std::size_t n = 0; n < over_.size(); ++n) {
+      if (changed == nullptr || changed->contains(over_[n])) {
+        float density = 0.0f;
+        voxmap_->read_density({over_[n], over_[n] + 1}, std::span(&density, 1));
+        covers_[n] = density >= 0.5f ? SheetCover::bone : SheetCover::open;
+        sheet_.cover(n, covers_[n]);
+      }
+      open_ = open_ || covers_[n] == SheetCover::open;
     }
   }
 
   void deform(const Tick& tick) {
     time_ += tick.dt;
-    if (!voxmap_->take_dirty(listener_).empty()) look_at_bone();
+    if (const VoxelBoxes changed = voxmap_->take_dirty(listener_); !changed.empty()) look_at_bone(&changed);
     const Affine sheet_from_tool = index_from_sheet_.inverse() * cut_->path.to;
     const double depth = -sheet_from_tool.offset.z;
     double lowest = highest_ + kNear;
@@ -264,6 +269,8 @@ class DuraEffect final : public Effect {
   std::uint64_t growth_;
   Pose bone_from_sheet_;
   Affine index_from_sheet_;
+  std::vector<Vec3i> over_;         // voxels over the nodes
+  std::vector<SheetCover> covers_;  // of the nodes
   DuraPicture picture_;
   Pose at_rest_;
   bool sees_bone_;  // contact reads the bone, with its pose

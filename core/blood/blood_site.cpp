@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
 
 #include "core/base/assert.h"
 #include "core/base/portable_math.h"
@@ -11,7 +14,8 @@ namespace burrhole {
 namespace {
 
 constexpr std::uint16_t kNone = 65535;
-constexpr float kCut = 1e-3f;  // [-] less density than this was not taken away by a tool
+constexpr float kCut = 1e-3f;                  // [-] less density than this was not taken away by a tool
+constexpr std::uint8_t kOwn = 1, kBeside = 2;  // of is_new_
 constexpr Vec3i kNeighbours[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 }  // namespace
@@ -39,6 +43,8 @@ BloodSite::BloodSite(SiteBone bone) : bone_(std::move(bone)) {
   opened_.assign(count, 0.0);
   cut_.assign(count, 0.0f);
   waxed_.assign(count, 0);
+  seen_.assign(box.grown(1).count(), std::numeric_limits<float>::quiet_NaN());
+  is_new_.assign(count, kOwn | kBeside);
   for_each_voxel(box, [&](const Vec3i& voxel) {
     layer_[box.offset_of(voxel)] = static_cast<std::uint16_t>((height_of(Vec3(voxel)) - lowest_) / height_);
   });
@@ -55,12 +61,55 @@ BloodSite::BloodSite(SiteBone bone) : bone_(std::move(bone)) {
 void BloodSite::update(const VoxelBox& changed, std::span<const float> density, double now, double coagulation) noexcept {
   BH_ASSERT(bone_.box.contains(changed));
   const VoxelBox of = changed.grown(1);
-  for_each_voxel(changed, [&](const Vec3i& voxel) {
-    const std::size_t at = bone_.box.offset_of(voxel);
-    set_removed(at, density[of.offset_of(voxel)]);
-    if (bone_.pores[at] > 0.0f) set_source(at, was_cut(of, density, voxel) ? cut_area(of, density, voxel) : 0.0, now, coagulation);
-  });
+  note_changes(of, density);
+  const auto length = static_cast<std::size_t>(changed.hi.x - changed.lo.x);
+  for (int k = changed.lo.z; k < changed.hi.z; ++k)
+    for (int j = changed.lo.y; j < changed.hi.y; ++j) {
+      const std::size_t first = bone_.box.offset_of({changed.lo.x, j, k});
+      const auto row = std::span(is_new_).subspan(first, length);
+      unsigned any = 0;
+      for (const std::uint8_t one : row) any |= one;
+      if (any == 0) continue;
+      for (std::size_t n = 0; n < length; ++n) {
+        const std::size_t at = first + n;
+        const unsigned what = std::exchange(row[n], std::uint8_t{0});
+        if (what == 0) continue;
+        const Vec3i voxel(changed.lo.x + static_cast<int>(n), j, k);
+        if ((what & kOwn) != 0) set_removed(at, density[of.offset_of(voxel)]);
+        if (bone_.pores[at] > 0.0f) set_source(at, was_cut(of, density, voxel) ? cut_area(of, density, voxel) : 0.0, now, coagulation);
+      }
+    }
   measure();
+}
+
+void BloodSite::note_changes(const VoxelBox& of, std::span<const float> density) noexcept {
+  const VoxelBox& box = bone_.box;
+  const VoxelBox wide = box.grown(1), inner = box.grown(-1);
+  const std::ptrdiff_t line = box.size().x, slab = line * box.size().y;
+  const auto length = static_cast<std::size_t>(of.hi.x - of.lo.x);
+  for (int k = of.lo.z; k < of.hi.z; ++k)
+    for (int j = of.lo.y; j < of.hi.y; ++j) {
+      const float* const row = density.data() + of.offset_of({of.lo.x, j, k});
+      float* const seen = seen_.data() + wide.offset_of({of.lo.x, j, k});
+      if (std::memcmp(row, seen, length * sizeof(float)) == 0) continue;
+      for (std::size_t n = 0; n < length; ++n) {
+        if (row[n] == seen[n]) continue;
+        seen[n] = row[n];
+        const Vec3i voxel(of.lo.x + static_cast<int>(n), j, k);
+        if (inner.contains(voxel)) {
+          std::uint8_t* const here = is_new_.data() + box.offset_of(voxel);
+          *here |= kOwn;
+          for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, line, slab}) {
+            here[step] |= kBeside;
+            here[-step] |= kBeside;
+          }
+          continue;
+        }
+        if (box.contains(voxel)) is_new_[box.offset_of(voxel)] |= kOwn;
+        for (const Vec3i& step : kNeighbours)
+          if (box.contains(voxel + step)) is_new_[box.offset_of(voxel + step)] |= kBeside;
+      }
+    }
 }
 
 void BloodSite::set_removed(std::size_t at, float density) noexcept {
@@ -88,7 +137,7 @@ void BloodSite::set_source(std::size_t at, double area, double now, double coagu
   if (waxed_[at] != 0) {
     waxed_pores_ += static_cast<double>(pores) - before;
   } else {
-    if (before > 0.0) layer.pores -= before * portable_exp(-(now - opened_[at]) / coagulation);
+    if (before > 0.0) layer.pores -= before * left_after((now - opened_[at]) / coagulation);
     opened_[at] = now;
     layer.pores += static_cast<double>(pores);
     layer.sources += static_cast<std::int64_t>(pores > 0.0f) - static_cast<std::int64_t>(before > 0.0);
@@ -98,6 +147,14 @@ void BloodSite::set_source(std::size_t at, double area, double now, double coagu
   }
   cut_[at] = cut;
   area_[at] = pores;
+}
+
+double BloodSite::left_after(double age) noexcept {
+  if (age != last_age_) {
+    last_age_ = age;
+    left_ = portable_exp(-age);
+  }
+  return left_;
 }
 
 double BloodSite::cut_area(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept {

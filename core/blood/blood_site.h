@@ -2,6 +2,7 @@
 ///   Model  The pores of spongy bone are 1 - (relative mineral density) of its volume, and the same share of each cut through it (Delesse). The area
 ///          of a cut is the integral of |gradient of density| (coarea formula), which does not count the steps of voxels as their faces would.
 ///          A source is a voxel in which, or beside which, bone was taken away; it is fresh whenever the surface in it changes.
+///           A voxel is updated again only if its density or that of one of its six neighbours is new.
 ///          The hole is what was taken away of the bone as loaded. Its volume is kept by height over gravity, in layers of one voxel, so the level
 ///          of what it holds follows directly; it is one pool. It overflows where a voxel of it touches the outside. Below it is closed.
 ///   Frame  index coordinates; heights [m] are along the bone frame's direction against gravity.   Units  SI.
@@ -71,8 +72,8 @@ class BloodSite {
   [[nodiscard]] std::span<const std::uint16_t> removed() const noexcept { return removed_; }  ///< share of the voxel, of kWhole
   [[nodiscard]] double height_of(const Vec3& index) const noexcept { return glm::dot(up_index_, index) + up_offset_; }
   static constexpr std::uint16_t kWhole = 65535;
-  [[nodiscard]] static std::size_t bytes_of(std::size_t voxels) noexcept {
-    return voxels * (5 * sizeof(float) + sizeof(double) + 3 * sizeof(std::uint16_t) + 2);
+  [[nodiscard]] static std::size_t bytes_of(const VoxelBox& box) noexcept {
+    return box.count() * (5 * sizeof(float) + sizeof(double) + 3 * sizeof(std::uint16_t) + 3) + box.grown(1).count() * sizeof(float);
   }
 
  private:
@@ -83,8 +84,12 @@ class BloodSite {
     std::int64_t sources = 0;  ///< open sources
     double pores = 0.0;        ///< [m^2] of the open sources, times the share that has not coagulated
   };
+  /// Marks the voxels for which a density of `of` is new.
+  void note_changes(const VoxelBox& of, std::span<const float> density) noexcept;
   void set_removed(std::size_t at, float density) noexcept;
   void set_source(std::size_t at, double area, double now, double coagulation) noexcept;
+  /// @returns the share of a source that has not coagulated. @param age [-] over the time constant.
+  [[nodiscard]] double left_after(double age) noexcept;
   [[nodiscard]] double cut_area(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept;
   [[nodiscard]] bool was_cut(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept;
   void measure() noexcept;
@@ -102,6 +107,9 @@ class BloodSite {
   std::vector<double> opened_;  // [s] when its surface last changed
   std::vector<float> cut_;      // [m^2] area of the cut, pores or not
   std::vector<std::uint8_t> waxed_;
+  std::vector<float> seen_;             // [-] density of the last update, over the box grown by 1; NaN: none yet
+  std::vector<std::uint8_t> is_new_;    // the voxel, or a neighbour, has another density than when the voxel was updated
+  double last_age_ = 0.0, left_ = 1.0;  // of left_after(): most sources of a step are of one age
   bool has_pores_ = false;
   double open_pores_ = 0.0, waxed_pores_ = 0.0, cut_spongy_ = 0.0;
   double capacity_ = 0.0, spill_ = 0.0, floor_ = 0.0;

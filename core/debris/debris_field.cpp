@@ -26,6 +26,7 @@ constexpr int kMostMouthSteps = 512;    // half voxels up the shaft: beyond any 
 
 DebrisField::DebrisField(const DebrisConfig& config, DebrisSite site) : config_(config), site_(std::move(site)), quantum_(config.particle) {
   particles_.reserve(config.most_particles);
+  seats_.reserve(config.most_particles);
   first_.assign(site_.cells(), kNone);
 }
 
@@ -45,7 +46,7 @@ Result<DebrisField> DebrisField::create(const DebrisConfig& config, DebrisSite s
 }
 
 std::uint64_t DebrisField::bytes_of(const DebrisConfig& config, std::uint64_t cells) noexcept {
-  return config.most_particles * sizeof(DebrisParticle) + cells * sizeof(std::uint32_t);
+  return config.most_particles * (sizeof(DebrisParticle) + sizeof(Seat)) + cells * sizeof(std::uint32_t);
 }
 
 double DebrisField::random() noexcept { return uniform01(config_.seed, drawn_++); }
@@ -159,6 +160,7 @@ void DebrisField::add(const DebrisParticle& one) noexcept {
   }
   if (particles_.size() < config_.most_particles) {
     particles_.push_back(one);
+    seats_.emplace_back();
     return;
   }
   particles_[static_cast<std::size_t>(random() * static_cast<double>(particles_.size()))].volume += one.volume;
@@ -207,9 +209,31 @@ void DebrisField::take_up(const DebrisBit& bit) noexcept {
   }
 }
 
+DebrisField::Seat& DebrisField::seat_of(std::size_t n) noexcept {
+  Seat& seat = seats_[n];
+  if (seat.known) return seat;
+  const Vec3& place = particles_[n].position;
+  const Vec3 below = site_.below(place);
+  // kNowhere is all bits, here as there; there are fewer cells than 2^32.
+  seat = {.known = true,
+          .on_bone = site_.is_solid(below),
+          .cell = static_cast<std::uint32_t>(site_.cell_of(place)),
+          .below = static_cast<std::uint32_t>(site_.cell_of(below))};
+  return seat;
+}
+
+/// As is_carried() of all that has settled; where bone did not change, its share of that is known.
 void DebrisField::loosen() noexcept {
-  for (DebrisParticle& one : particles_)
-    if (one.settled && !site_.is_carried(one.position)) lift(one);
+  const std::optional<Bounds> changed = site_.take_changed();
+  const auto is_inside = [](const Bounds& box, const Vec3& p) {
+    return p.x >= box.lo.x && p.y >= box.lo.y && p.z >= box.lo.z && p.x <= box.hi.x && p.y <= box.hi.y && p.z <= box.hi.z;
+  };
+  for (std::size_t n = 0; n < particles_.size(); ++n) {
+    if (!particles_[n].settled) continue;
+    if (changed && seats_[n].known && is_inside(*changed, site_.below(particles_[n].position))) seats_[n].known = false;
+    const Seat& seat = seat_of(n);
+    if (!seat.on_bone && !site_.is_heaped({cell_at(seat.cell), cell_at(seat.below)})) lift(particles_[n]);
+  }
 }
 
 /// A heap that was held by the bit, or that lost its foot, slides: each particle is tested once in kSlideTime.
@@ -229,6 +253,7 @@ void DebrisField::slide(double dt) noexcept {
 
 void DebrisField::fly(double dt) noexcept {
   for (std::size_t n = 0; n < particles_.size();) {
+    if (!particles_[n].settled) seats_[n].known = false;
     if (particles_[n].settled || fly_one(particles_[n], dt)) {
       ++n;
       continue;
@@ -311,6 +336,8 @@ void DebrisField::remove(std::size_t n) noexcept {
   if (particles_[n].settled) lift(particles_[n]);
   particles_[n] = particles_.back();
   particles_.pop_back();
+  seats_[n] = seats_.back();
+  seats_.pop_back();
 }
 
 /// Takes a settled particle off its heap cell.
@@ -321,9 +348,14 @@ void DebrisField::lift(DebrisParticle& one) noexcept {
 
 /// Counts again what lies in the cells, without the rounding of what came and went.
 void DebrisField::refill() noexcept {
-  for (const DebrisParticle& one : particles_) site_.clear_pile(one.position, config_.bulk * one.volume);
-  for (const DebrisParticle& one : particles_)
-    if (one.settled) site_.pile(one.position, config_.bulk * one.volume);
+  for (std::size_t n = 0; n < particles_.size(); ++n) {
+    const DebrisParticle& one = particles_[n];
+    site_.clear_pile(one.position, one.settled ? cell_at(seat_of(n).cell) : site_.cell_of(one.position), config_.bulk * one.volume);
+  }
+  for (std::size_t n = 0; n < particles_.size(); ++n) {
+    const DebrisParticle& one = particles_[n];
+    if (one.settled) site_.pile(one.position, cell_at(seat_of(n).cell), config_.bulk * one.volume);
+  }
 }
 
 void DebrisField::bone_came_back() noexcept {
@@ -378,11 +410,16 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
   std::array<std::uint8_t, static_cast<std::size_t>(kRaster) * kRaster> covered{};
   const Quat to_disc = glm::conjugate(rotation_from_z(axis));
   const double pitch = 2.0 * radius / kRaster;
+  double largest = 0.0;
+  for (const DebrisParticle& one : particles_) largest = std::max(largest, one.volume);
+  // Beyond it no particle reaches the disc; with room for rounding.
+  const double beyond = radius + (1.0 + 1e-9) * radius_of({.volume = largest});
   const auto node_of = [](int i, int j) { return static_cast<std::size_t>(j) * kRaster + static_cast<std::size_t>(i); };
   const auto node = [&](int n) { return (n + 0.5) * pitch - radius; };
   for (const DebrisParticle& one : particles_) {
     if (!one.settled) continue;
     const Vec3 at = to_disc * (one.position - centre);
+    if (at.x * at.x + at.y * at.y > beyond * beyond) continue;
     const double reach = radius_of(one);
     if (at.x * at.x + at.y * at.y > (radius + reach) * (radius + reach)) continue;
     const auto first = [&](double x) { return std::max(0, static_cast<int>((x - reach + radius) / pitch)); };
@@ -393,12 +430,14 @@ double DebrisField::hidden_share(const Vec3& centre, const Vec3& axis, double ra
         if (x * x + y * y <= reach * reach) covered[node_of(i, j)] = 1;
       }
   }
+  std::array<double, static_cast<std::size_t>(kRaster)> square{};
+  for (int i = 0; i < kRaster; ++i) square[node_of(i, 0)] = node(i) * node(i);
   int inside = 0, hidden = 0;
   for (int j = 0; j < kRaster; ++j)
     for (int i = 0; i < kRaster; ++i) {
-      if (node(i) * node(i) + node(j) * node(j) > radius * radius) continue;
-      ++inside;
-      hidden += covered[node_of(i, j)];
+      const int is_inside = square[node_of(i, 0)] + square[node_of(j, 0)] > radius * radius ? 0 : 1;
+      inside += is_inside;
+      hidden += is_inside & covered[node_of(i, j)];
     }
   return static_cast<double>(hidden) / inside;
 }

@@ -147,11 +147,21 @@ class DebrisField {
   void suck(const DebrisSuction& suction) noexcept;
   void remove(std::size_t n) noexcept;
   void lift(DebrisParticle& one) noexcept;
+  /// What is known of the place of a particle that has settled.
+  struct Seat {
+    bool known = false;
+    bool on_bone = false;               // bone carries it
+    std::uint32_t cell = 0, below = 0;  // its own, and that of the place below it
+  };
+  /// @returns the seat of a settled particle, found if it was not known.
+  Seat& seat_of(std::size_t n) noexcept;
+  [[nodiscard]] static std::size_t cell_at(std::uint32_t cell) noexcept { return cell == 0xffffffffu ? DebrisSite::kNowhere : cell; }
   void refill() noexcept;
 
   DebrisConfig config_;
   DebrisSite site_;
   std::vector<DebrisParticle> particles_;
+  std::vector<Seat> seats_;           // of the particles
   std::vector<std::uint32_t> first_;  // by heap cell, in merge_settled(): kNone between calls
   double quantum_;                    // [m^3] of a new particle
   double block_ = 1.0;                // [cells] edge of the blocks that merge_settled() merges in

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/random.h"
 #include "core/base/rounded.h"
@@ -45,30 +46,46 @@ Result<DebrisSite> DebrisSite::create(const Bounds& box, const Affine& bone_from
 }
 
 void DebrisSite::set_floor(const VoxelBox& part, std::span<const std::uint8_t> soft) noexcept {
-  for_each_voxel(part.intersect(voxels_), [&](const Vec3i& v) {
+  const VoxelBox inside = part.intersect(voxels_);
+  for_each_voxel(inside, [&](const Vec3i& v) {
     if (soft[part.offset_of(v)] != 0) solid_[voxels_.offset_of(v)] = kSoft;
   });
+  changed_ = changed_.unite(inside);
 }
 
 double DebrisSite::loss_of(const VoxelBox& part, std::span<const float> density) const noexcept {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for_each_voxel(part, [&](const Vec3i& v) {
-    const int before = solid_[voxels_.offset_of(v)], now = rounded(kWhole * density[n++]);
-    if (before != kSoft && now < before) sum += static_cast<double>(before - now);
+  std::int64_t sum = 0;
+  for_each_row(part, solid_.data(), density, [&](const Vec3i&, std::span<const std::uint8_t> solid, std::span<const float> row) {
+    int lost = 0;
+    for (std::size_t n = 0; n < row.size(); ++n) {
+      const int before = solid[n], now = rounded(kWhole * row[n]);
+      lost += before != kSoft && now < before ? before - now : 0;
+    }
+    sum += lost;
   });
-  return sum;
+  return static_cast<double>(sum);
 }
 
 void DebrisSite::set_bone(const VoxelBox& part, std::span<const float> density, LossSampler* sampler) noexcept {
-  std::size_t n = 0;
-  for_each_voxel(part, [&](const Vec3i& v) {
-    std::uint8_t& value = solid_[voxels_.offset_of(v)];
-    const auto now = static_cast<std::uint8_t>(rounded(kWhole * density[n++]));
-    if (value == kSoft) return;
-    if (sampler != nullptr && now < value) sampler->add(v, value - now, now);
-    value = now;
+  for_each_row(part, solid_.data(), density, [&](const Vec3i& first, std::span<std::uint8_t> solid, std::span<const float> row) {
+    int differ = 0;
+    for (std::size_t n = 0; n < row.size(); ++n) differ += solid[n] != kSoft && rounded(kWhole * row[n]) != solid[n] ? 1 : 0;
+    if (differ == 0) return;
+    changed_ = changed_.unite({first, first + Vec3i(static_cast<int>(row.size()), 1, 1)});
+    for (std::size_t n = 0; n < row.size(); ++n) {
+      const auto now = static_cast<std::uint8_t>(rounded(kWhole * row[n]));
+      if (solid[n] == kSoft) continue;
+      if (sampler != nullptr && now < solid[n]) sampler->add(first + Vec3i(static_cast<int>(n), 0, 0), solid[n] - now, now);
+      solid[n] = now;
+    }
   });
+}
+
+std::optional<Bounds> DebrisSite::take_changed() noexcept {
+  const VoxelBox changed = std::exchange(changed_, VoxelBox{});
+  if (changed.empty()) return std::nullopt;
+  // A voxel counts in the cells beside it; one more for rounding.
+  return bounds_under(bone_from_index_, {Vec3(changed.lo) - 2.0, Vec3(changed.hi) + 1.0});
 }
 
 std::uint8_t DebrisSite::bone_at(const Vec3i& voxel) const noexcept {
@@ -83,7 +100,13 @@ double DebrisSite::level(const Vec3& p) const noexcept {
   if (base.x < voxels_.lo.x - 1 || base.y < voxels_.lo.y - 1 || base.z < voxels_.lo.z - 1 || base.x >= voxels_.hi.x ||
       base.y >= voxels_.hi.y || base.z >= voxels_.hi.z)
     return 0.0;
-  return trilinear(index - Vec3(base), [&](unsigned n) { return value(base + cell_corner(n)); }) / static_cast<double>(kWhole);
+  const Vec3 t = index - Vec3(base);
+  if (!voxels_.contains(base) || !voxels_.contains(base + 1))
+    return trilinear(t, [&](unsigned n) { return value(base + cell_corner(n)); }) / static_cast<double>(kWhole);
+  const Vec3i size = voxels_.size();
+  const std::uint8_t* const first = solid_.data() + voxels_.offset_of(base);
+  const std::ptrdiff_t row = size.x, slab = row * size.y;
+  return trilinear(t, [&](unsigned n) { return static_cast<double>(first[corner_offset(n, row, slab)]); }) / static_cast<double>(kWhole);
 }
 
 double DebrisSite::free_share(const Vec3& from, const Vec3& to) const noexcept {
@@ -105,12 +128,6 @@ double DebrisSite::free_share(const Vec3& from, const Vec3& to) const noexcept {
   return 1.0;
 }
 
-bool DebrisSite::is_carried(const Vec3& p) const noexcept {
-  const Vec3 below = p + down_ * shortest_;
-  const std::size_t cell = cell_of(below);
-  return is_solid(below) || (cell != cell_of(p) && is_full(cell));
-}
-
 std::optional<Vec3> DebrisSite::slide_from(const Vec3& p, std::uint64_t salt) const noexcept {
   const Vec3i here = cell_place(p);
   std::optional<Vec3> best;
@@ -129,13 +146,14 @@ std::optional<Vec3> DebrisSite::slide_from(const Vec3& p, std::uint64_t salt) co
   return best;
 }
 
-void DebrisSite::change_pile(const Vec3& p, double volume, float sign) noexcept {
+void DebrisSite::change_pile(const Vec3& p, std::size_t cell, double volume, float sign) noexcept {
   const double whole = static_cast<double>(capacity_);
   double left = volume;
-  for (int n = 0; n < kMostPiled && left > 0.0; ++n, left -= whole) {
-    const std::size_t cell = cell_of(p - static_cast<double>(n) * cell_ * down_);
-    if (cell == kNowhere) return;
+  for (int n = 0; left > 0.0 && cell != kNowhere;) {
     fill_[cell] = sign == 0.0f ? 0.0f : fill_[cell] + sign * static_cast<float>(std::min(left, whole));
+    left -= whole;
+    if (++n == kMostPiled || !(left > 0.0)) return;
+    cell = cell_of(p - static_cast<double>(n) * cell_ * down_);
   }
 }
 

@@ -65,6 +65,8 @@ class DebrisSite {
   [[nodiscard]] double loss_of(const VoxelBox& part, std::span<const float> density) const noexcept;
   /// @param sampler null: none.
   void set_bone(const VoxelBox& part, std::span<const float> density, LossSampler* sampler = nullptr) noexcept;
+  /// @returns the box [m] outside which level() is as it was at the last call, at the first as in an empty site; nothing: everywhere.
+  [[nodiscard]] std::optional<Bounds> take_changed() noexcept;
   /// @returns the bone of a voxel [1/254]; 0 outside and in soft tissue.
   [[nodiscard]] std::uint8_t bone_at(const Vec3i& voxel) const noexcept;
 
@@ -79,8 +81,16 @@ class DebrisSite {
   /// @returns the free share, 0..1, of the way from a place to another: 1 if nothing blocks it, 0 if the start is blocked. Places half a voxel
   /// apart are tested, up to the edge of the site, and the last part is halved, so the end lies within 1/16 of a voxel before what blocks it.
   [[nodiscard]] double free_share(const Vec3& from, const Vec3& to) const noexcept;
-  /// @returns whether something other than chips of its own cell carries a chip, within a voxel below it.
-  [[nodiscard]] bool is_carried(const Vec3& p) const noexcept;
+  /// @returns the place within a voxel below a chip where something carries it.
+  [[nodiscard]] Vec3 below(const Vec3& p) const noexcept { return p + down_ * shortest_; }
+  /// @returns whether something other than chips of its own cell carries a chip.
+  [[nodiscard]] bool is_carried(const Vec3& p) const noexcept { return is_solid(below(p)) || is_heaped({cell_of(p), cell_of(below(p))}); }
+  /// The cells of a chip and of the place below it.
+  struct CellPair {
+    std::size_t own, below;
+  };
+  /// @returns whether chips of another cell carry a chip.
+  [[nodiscard]] bool is_heaped(const CellPair& cells) const noexcept { return cells.below != cells.own && is_full(cells.below); }
   /// @returns the centre of an open neighbour of the cell of p that is lower by at least half a cell, the lowest; a chip slides there. @param salt
   /// chooses among neighbours of one height.
   [[nodiscard]] std::optional<Vec3> slide_from(const Vec3& p, std::uint64_t salt) const noexcept;
@@ -97,10 +107,12 @@ class DebrisSite {
   [[nodiscard]] std::size_t cell_of(const Vec3& p) const noexcept;  ///< kNowhere outside
   [[nodiscard]] bool is_full(std::size_t cell) const noexcept { return cell != kNowhere && fill_[cell] >= capacity_; }
   /// Adds chips with their gaps to the cell of p; what is more than a cell holds goes to the cells above it, up to kMostPiled. @param volume [m^3].
-  void pile(const Vec3& p, double volume) noexcept { change_pile(p, volume, 1.0f); }
-  void take_off(const Vec3& p, double volume) noexcept { change_pile(p, volume, -1.0f); }  ///< the reverse
+  void pile(const Vec3& p, double volume) noexcept { pile(p, cell_of(p), volume); }
+  /// @param cell that of p, as in the next.
+  void pile(const Vec3& p, std::size_t cell, double volume) noexcept { change_pile(p, cell, volume, 1.0f); }
+  void take_off(const Vec3& p, double volume) noexcept { change_pile(p, cell_of(p), volume, -1.0f); }  ///< the reverse
   /// Empties the cells that pile() of the same changes.
-  void clear_pile(const Vec3& p, double volume) noexcept { change_pile(p, volume, 0.0f); }
+  void clear_pile(const Vec3& p, std::size_t cell, double volume) noexcept { change_pile(p, cell, volume, 0.0f); }
   static constexpr int kMostPiled = 64;
 
  private:
@@ -116,11 +128,21 @@ class DebrisSite {
     const double along = glm::dot(from_tip, bit_axis_);
     return along > 0.0 && glm::dot(from_tip, from_tip) - along * along < bit_radius2_;
   }
-  void change_pile(const Vec3& p, double volume, float sign) noexcept;
+  void change_pile(const Vec3& p, std::size_t cell, double volume, float sign) noexcept;
+  /// Calls f(the first voxel of a row of `part`, its solid bytes, its densities).
+  template <class Solid, class F>
+  void for_each_row(const VoxelBox& part, Solid* solid, std::span<const float> density, const F& f) const noexcept {
+    const auto length = static_cast<std::size_t>(part.hi.x - part.lo.x);
+    for (int k = part.lo.z; k < part.hi.z; ++k)
+      for (int j = part.lo.y; j < part.hi.y; ++j) {
+        const Vec3i first(part.lo.x, j, k);
+        f(first, std::span(solid + voxels_.offset_of(first), length), density.subspan(part.offset_of(first), length));
+      }
+  }
 
   Bounds box_;
   Affine bone_from_index_, index_from_bone_;
-  VoxelBox voxels_, cell_box_;
+  VoxelBox voxels_, cell_box_, changed_;
   double cell_ = 0.0, per_cell_ = 0.0, shortest_ = 0.0;
   float capacity_ = 0.0f;  // [m^3] of a cell
   Vec3 down_{0.0, 0.0, -1.0};

@@ -6,7 +6,6 @@
 namespace burrhole {
 namespace {
 
-constexpr int kMostConjugate = 400;
 constexpr double kPoisson2 = 1.0 / 9.0;  // square of the lattice's ratio
 constexpr double kHalf = 0.5;            // [-] of a node's cell on the rim that counts for bending: the mirror has the rest
 
@@ -53,8 +52,7 @@ Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattic
   out.all_.resize(nodes);
   out.up_.resize(nodes);
   out.diagonal_.resize(nodes);
-  for (Field* field : {&out.gradient_, &out.direction_, &out.trial_, &out.residual_, &out.search_, &out.product_, &out.shift_,
-                       &out.preconditioned_, &out.moved_, &out.give_})
+  for (Field* field : {&out.gradient_, &out.direction_, &out.trial_, &out.residual_, &out.shift_, &out.moved_, &out.give_})
     field->assign(nodes, Vec3(0.0));
   return out;
 }
@@ -70,8 +68,8 @@ void ElasticSheet::cover(std::size_t node, SheetCover cover) noexcept {
 }
 
 std::size_t ElasticSheet::bytes() const noexcept {
-  return lattice_.nodes() * (16 * sizeof(Vec3) + sizeof(Symmetric) + 64) + lattice_.edges().size() * (sizeof(Symmetric) + 32) +
-         bend_value_.size() * (sizeof(double) + sizeof(std::uint32_t));
+  return lattice_.nodes() * (13 * sizeof(Vec3) + sizeof(SheetBlock) + 64) + lattice_.edges().size() * (sizeof(SheetBlock) + 32) +
+         solver_->bytes();
 }
 
 double ElasticSheet::height_at(const SheetLattice::Place& place, const Field& x) const noexcept {
@@ -110,21 +108,24 @@ void ElasticSheet::assemble_bending() {
     for (std::size_t i = 0; i < size; ++i)
       for (std::size_t j = 0; j < size; ++j) add(g[i].first, g[j].first, weight * g[i].second * g[j].second);
   }
-  bend_first_.push_back(0);
+  SheetRows bend;
+  bend.first.push_back(0);
   for (const auto& row : rows) {
     for (const auto& [column, value] : row) {
-      bend_column_.push_back(column);
-      bend_value_.push_back(value);
+      bend.column.push_back(column);
+      bend.value.push_back(value);
     }
-    bend_first_.push_back(static_cast<std::uint32_t>(bend_column_.size()));
+    bend.first.push_back(static_cast<std::uint32_t>(bend.column.size()));
   }
+  solver_.emplace(lattice_, std::move(bend));
 }
 
 Vec3 ElasticSheet::bending_at(const Field& u, std::size_t node) const noexcept {
   double x = 0.0, y = 0.0, z = 0.0;
-  for (std::uint32_t k = bend_first_[node]; k < bend_first_[node + 1]; ++k) {
-    const double value = bend_value_[k];
-    const Vec3& v = u[bend_column_[k]];
+  const SheetRows& bend = solver_->bending();
+  for (std::uint32_t k = bend.first[node]; k < bend.first[node + 1]; ++k) {
+    const double value = bend.value[k];
+    const Vec3& v = u[bend.column[k]];
     x += value * v.x;
     y += value * v.y;
     z += value * v.z;
@@ -239,21 +240,22 @@ void ElasticSheet::curve(const Field& x, double per_dt) {
 }
 
 void ElasticSheet::invert_diagonal() noexcept {
+  const SheetRows& bend = solver_->bending();
   for (std::size_t n = 0; n < diagonal_.size(); ++n) {
     double bent = 0.0;
-    for (std::uint32_t k = bend_first_[n]; k < bend_first_[n + 1]; ++k)
-      if (bend_column_[k] == n) bent = bend_value_[k];
+    for (std::uint32_t k = bend.first[n]; k < bend.first[n + 1]; ++k)
+      if (bend.column[k] == n) bent = bend.value[k];
     const double all = all_[n] + bent;
     diagonal_[n] = {all, 0.0, 0.0, all, 0.0, all + up_[n]};
   }
   for (std::size_t e = 0; e < length_.size(); ++e) {
-    const Symmetric& m = edge_curve_[e];
+    const SheetBlock& m = edge_curve_[e];
     for (const std::uint32_t n : {lattice_.edges()[e].a, lattice_.edges()[e].b}) {
-      Symmetric& d = diagonal_[n];
+      SheetBlock& d = diagonal_[n];
       d = {d.xx + m.xx, d.xy + m.xy, d.xz + m.xz, d.yy + m.yy, d.yz + m.yz, d.zz + m.zz};
     }
   }
-  for (Symmetric& d : diagonal_) {
+  for (SheetBlock& d : diagonal_) {
     const double xx = d.yy * d.zz - d.yz * d.yz, xy = d.xz * d.yz - d.xy * d.zz, xz = d.xy * d.yz - d.xz * d.yy;
     const double scale = 1.0 / (d.xx * xx + d.xy * xy + d.xz * xz);
     d = {scale * xx,
@@ -265,59 +267,8 @@ void ElasticSheet::invert_diagonal() noexcept {
   }
 }
 
-void ElasticSheet::times(const Field& in, Field& out) const noexcept {
-  for (std::size_t n = 0; n < in.size(); ++n) {
-    out[n] = all_[n] * in[n] + bending_at(in, n);
-    out[n].z += up_[n] * in[n].z;
-  }
-  // Edges are in the order of their first node.
-  const std::vector<SheetEdge>& edges = lattice_.edges();
-  for (std::size_t e = 0; e < edges.size();) {
-    const std::uint32_t a = edges[e].a;
-    const Vec3 at = in[a];
-    Vec3 sum(0.0);
-    for (; e < edges.size() && edges[e].a == a; ++e) {
-      const Vec3 pull = edge_curve_[e] * (at - in[edges[e].b]);
-      sum += pull;
-      out[edges[e].b] -= pull;
-    }
-    out[a] += sum;
-  }
-  hold_rim(out);
-}
-
-/// Conjugate gradients, with the inverse blocks of the diagonal. Each of its results goes downhill.
 void ElasticSheet::solve(const Field& right, Field& out, double tolerance) {
-  times(out, residual_);
-  double start = 0.0;  // of the right side, as the preconditioner measures it
-  for (std::size_t n = 0; n < right.size(); ++n) {
-    residual_[n] = right[n] - residual_[n];
-    start += glm::dot(right[n], diagonal_[n] * right[n]);
-  }
-  const auto precondition = [this] {
-    double sum = 0.0;
-    for (std::size_t n = 0; n < residual_.size(); ++n) {
-      preconditioned_[n] = diagonal_[n] * residual_[n];
-      sum += glm::dot(residual_[n], preconditioned_[n]);
-    }
-    return sum;
-  };
-  double size = precondition();
-  search_ = preconditioned_;
-  const double enough = start * tolerance * tolerance;
-  for (int n = 0; n < kMostConjugate && size > enough && size > 0.0; ++n) {
-    times(search_, product_);
-    const double curvature = dot(search_, product_);
-    if (!(curvature > 0.0)) return;
-    const double way = size / curvature;
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      out[k] += way * search_[k];
-      residual_[k] -= way * product_[k];
-    }
-    const double next = precondition(), turn = next / size;
-    for (std::size_t k = 0; k < out.size(); ++k) search_[k] = preconditioned_[k] + turn * search_[k];
-    size = next;
-  }
+  (void)solver_->solve({.all = all_, .up = up_, .edges = edge_curve_, .diagonal = diagonal_}, right, out, residual_, tolerance);
 }
 
 void ElasticSheet::measure() {

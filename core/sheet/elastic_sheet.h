@@ -20,12 +20,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
 #include "core/sheet/sheet_lattice.h"
+#include "core/sheet/sheet_solver.h"
 
 namespace burrhole {
 
@@ -96,17 +98,11 @@ class ElasticSheet {
     std::array<std::uint32_t, 3> edges;  // opposite to the nodes
     double z;
   };
-  struct Symmetric {  // 3 x 3
-    double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
-    [[nodiscard]] Vec3 operator*(const Vec3& v) const noexcept {
-      return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
-    }
-  };
   using Field = std::vector<Vec3>;
   /// Points of the tool over whole triangles, at a share of the step.
   void find_pressed(const SheetLoad& load, double share);
-  /// Minimises the merit from x_. @returns whether the forces that are left are small enough.
-  bool minimise(double per_dt, double pressure);
+  /// Minimises the merit from x_, where it is `now`. @returns whether the forces that are left are small enough.
+  bool minimise(double per_dt, double pressure, double now);
   /// What an edge may be strained to in a solution.
   enum class Edges : std::uint8_t { below_limit, any };
   struct Part {
@@ -121,7 +117,6 @@ class ElasticSheet {
   double slope(const Field& x, double per_dt, double pressure, Field& out) noexcept;
   void curve(const Field& x, double per_dt);  // second derivatives at x
   void invert_diagonal() noexcept;
-  void times(const Field& in, Field& out) const noexcept;
   /// @param out where to start; receives the solution.
   void solve(const Field& right, Field& out, double tolerance);
   /// @returns the k-th neighbour; beyond the rim, which is clamped, that of the mirrored sheet, or none.
@@ -130,8 +125,8 @@ class ElasticSheet {
   /// @returns the force [N] of bending at a free node, for displacements that are 0 on the rim.
   [[nodiscard]] Vec3 bending_at(const Field& u, std::size_t node) const noexcept;
   void hold_rim(Field& out) const noexcept;
-  /// Starts from where the motion of the last solution leads, if the merit is lower there.
-  void predict(double dt, double pressure);
+  /// Starts from where the motion of the last solution leads, if the merit is lower there. @returns the merit of the start.
+  double predict(double dt, double pressure);
   [[nodiscard]] double strain_of(std::size_t edge) const noexcept;
   [[nodiscard]] double largest_strain() const noexcept;
   [[nodiscard]] double tool_force() const noexcept;
@@ -145,25 +140,23 @@ class ElasticSheet {
 
   SheetConfig config_;
   SheetLattice lattice_;
-  double edge_stiffness_, bending_;  // [N/m]; [N/m] of the sum of differences
-  Field rest_, x_, before_, moved_;  // moved_: by the last solution
-  double moved_in_ = 0.0;            // [s] of moved_; 0: none yet
-  std::vector<std::uint32_t> rim_;   // nodes
-  // Second derivative of bending on the free nodes, the same in x, y and z: of each row the columns and values [N/m]. Constant.
-  std::vector<std::uint32_t> bend_first_, bend_column_;
-  std::vector<double> bend_value_;
-  std::vector<double> length_;        // [m] l0
-  std::vector<std::uint8_t> broken_;  // edges
+  double edge_stiffness_, bending_;    // [N/m]; [N/m] of the sum of differences
+  Field rest_, x_, before_, moved_;    // moved_: by the last solution
+  double moved_in_ = 0.0;              // [s] of moved_; 0: none yet
+  std::vector<std::uint32_t> rim_;     // nodes
+  std::optional<SheetSolver> solver_;  // with the second derivative of bending on the free nodes, which is constant
+  std::vector<double> length_;         // [m] l0
+  std::vector<std::uint8_t> broken_;   // edges
   std::vector<std::uint8_t> sticks_, under_bone_;
   std::vector<std::uint8_t> held_;    // nodes, joined to the rim by whole edges
   std::vector<std::uint32_t> queue_;  // nodes, of the search for them
   std::vector<Pressed> pressed_;
   // Second derivatives: of edges, with the points of the tool between their nodes, and what is diagonal at nodes.
-  std::vector<Symmetric> edge_curve_;
+  std::vector<SheetBlock> edge_curve_;
   std::vector<double> all_, up_;  // [N/m] of a node: in all directions; along z
-  Field gradient_, direction_, trial_, residual_, search_, product_, shift_, preconditioned_;
-  Field give_;                       // [-] displacement per way of the tool, of the last step with a force
-  std::vector<Symmetric> diagonal_;  // inverse blocks
+  Field gradient_, direction_, trial_, residual_, shift_;
+  Field give_;                        // [-] displacement per way of the tool, of the last step with a force
+  std::vector<SheetBlock> diagonal_;  // inverse blocks
   SheetState state_;
   std::uint64_t iterations_ = 0;
 };

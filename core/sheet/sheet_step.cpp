@@ -57,14 +57,18 @@ void ElasticSheet::find_pressed(const SheetLoad& load, double share) {
   }
 }
 
-void ElasticSheet::predict(double dt, double pressure) {
-  if (moved_in_ == 0.0) return;
-  const double ratio = dt / moved_in_, per_dt = config_.resistance / dt;
+double ElasticSheet::predict(double dt, double pressure) {
+  const double per_dt = config_.resistance / dt, here = merit(x_, per_dt, pressure);
+  if (moved_in_ == 0.0) return here;
+  const double ratio = dt / moved_in_;
   for (std::size_t n = 0; n < x_.size(); ++n) trial_[n] = x_[n] + ratio * moved_[n];
-  if (merit(trial_, per_dt, pressure) < merit(x_, per_dt, pressure)) x_.swap(trial_);
+  const double there = merit(trial_, per_dt, pressure);
+  if (!(there < here)) return here;
+  x_.swap(trial_);
+  return there;
 }
 
-bool ElasticSheet::minimise(double per_dt, double pressure) {
+bool ElasticSheet::minimise(double per_dt, double pressure, double now) {
   for (int n = 0; n < kMostNewton; ++n) {
     const double load_size = slope(x_, per_dt, pressure, gradient_);
     ++iterations_;
@@ -75,15 +79,17 @@ bool ElasticSheet::minimise(double per_dt, double pressure) {
     curve(x_, per_dt);
     std::ranges::fill(direction_, Vec3(0.0));
     solve(gradient_, direction_, std::min(0.1, std::max(std::sqrt(size), 0.3 * enough / size)));
-    const double downhill = dot(gradient_, direction_), now = merit(x_, per_dt, pressure);
-    double share = 1.0;
+    const double downhill = dot(gradient_, direction_);
+    double share = 1.0, next = now;
     int halved = 0;
     for (; halved < kMostHalvings; ++halved, share *= 0.5) {
       for (std::size_t k = 0; k < x_.size(); ++k) trial_[k] = x_[k] + share * direction_[k];
-      if (merit(trial_, per_dt, pressure) <= now - kDescent * share * downhill) break;
+      next = merit(trial_, per_dt, pressure);
+      if (next <= now - kDescent * share * downhill) break;
     }
     if (halved == kMostHalvings) return true;  // as near as the digits allow
     x_.swap(trial_);
+    now = next;
   }
   return false;
 }
@@ -94,8 +100,7 @@ bool ElasticSheet::advance(const Part& part, double dt, const SheetLoad& load) {
   const double share = part.share + part.length;
   find_pressed(load, share < 1.0 ? share : 1.0);
   before_ = x_;
-  predict(part.length * dt, pressure);
-  bool converged = minimise(per_dt, pressure);
+  bool converged = minimise(per_dt, pressure, predict(part.length * dt, pressure));
   ++state_.parts;
   double strain = largest_strain();
   if (part.edges == Edges::below_limit && (strain > most || !converged)) {
@@ -113,7 +118,7 @@ bool ElasticSheet::advance(const Part& part, double dt, const SheetLoad& load) {
     // One at a time, as the next one may be spared; near the bound on solutions all at once.
     if (state_.parts >= kMostParts + kMostLastParts || break_edges(state_.parts < kMostParts ? (1.0 - kAlike) * strain : 0.0) == 0) break;
     find_pressed(load, share < 1.0 ? share : 1.0);
-    converged = minimise(per_dt, pressure);
+    converged = minimise(per_dt, pressure, merit(x_, per_dt, pressure));
     ++state_.parts;
     strain = largest_strain();
   }

@@ -288,12 +288,14 @@ std::vector<VoxelBox> SurfaceRecords::update(const MasterWindow& window, std::sp
 }
 
 void SurfaceRecords::slide(const MasterWindow& window, const CutSurface* cut) {
-  // What is within reach of an edge of either window saw another field there.
+  // What is within reach of an edge of the old window saw another field there. What is within reach of an edge of the new one is not valid:
+  // it is left, and computed when a later slide makes it valid.
   const VoxelBox from = box_, true_before = valid_box();
   box_ = window.box;
-  const VoxelBox kept = true_before.intersect(valid_box());
+  const VoxelBox valid = valid_box(), kept = true_before.intersect(valid);
   std::visit([&](auto& records) { slide_array(from, box_, records); }, records_);
-  for (const VoxelBox& part : box_without(box_, kept.empty() ? VoxelBox{} : kept)) {
+  if (valid.empty()) return;
+  for (const VoxelBox& part : box_without(valid, kept.empty() ? VoxelBox{} : kept)) {
     make(window, part);
     overlay(cut, part);
   }

@@ -49,7 +49,7 @@ class SurfaceRecords {
   std::vector<VoxelBox> update(const MasterWindow& window, std::span<const VoxelBox> dirty);
   /// After bone was cut inside `dirty` boxes, and every change was written to `cut`: copies the nodes, and does not read the density.
   std::vector<VoxelBox> update_cut(const CutSurface& cut, std::span<const VoxelBox> dirty);
-  /// Updates the records after the window moved: keeps those that remain valid and computes the others.
+  /// Updates the records after the window moved: keeps those that remain valid and computes the others that are valid now.
   void slide(const MasterWindow& window, const CutSurface* cut = nullptr);
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// Reserves memory for windows of up to `window_voxels`.
