@@ -143,6 +143,7 @@ HeatField::Behind HeatField::behind(const Vec3i& cell) const noexcept {
   for_each_voxel(VoxelBox{cell, cell + 1}.grown(1).intersect(domain_), [&](const Vec3i& at) {
     if (share(at) >= kLeastShare) inwards += Vec3(at - cell) * filled(at);
   });
+  inwards /= edges_;
   Behind out;
   double sum = 0.0;
   for (int n = 0; n < 3; ++n) {
@@ -201,7 +202,7 @@ void HeatField::settle(double part) {
       const double square = glm::dot(area, area);
       if (square > 0.0)
         put(heating.cell, joule, area * area / square);
-      else  // an undo brought its bone back
+      else  // the cells on both sides hold alike, as where an undo brought the bone back
         add(here, heating.cell, joule);
       remember(here, heating.share);
       cut_[here] = 0.5f * static_cast<float>(heating.share);
@@ -289,8 +290,12 @@ void HeatField::conduct(double dt) {
   const Vec3i margin = 2 + floor_int(7.0 * glm::sqrt(lambda));
   const VoxelBox box = VoxelBox{glm::max(warm_.lo - margin, domain_.lo), glm::min(warm_.hi + margin, domain_.hi)};
   conducted_ += box.count();
-  for (int turn = 0; turn < 3; ++turn) {
-    const int axis = steps_ % 2 == 0 ? turn : 2 - turn;
+  // Along the axis with most of the heat second in each order: heat that enters with the last sweep is not spread along the other axes yet.
+  Vec3 heat(0.0);
+  for (const Source& source : sources_) heat += source.along * static_cast<double>(source.amount);
+  if (heat != Vec3(0.0)) middle_ = heat.x > heat.y && heat.x > heat.z ? 0 : heat.y > heat.z ? 1 : 2;
+  const int low = middle_ == 0 ? 1 : 0, high = middle_ == 2 ? 1 : 2;
+  for (const int axis : steps_ % 2 == 0 ? std::array{low, middle_, high} : std::array{high, middle_, low}) {
     for (const Source& source : sources_) source_[source.at] += source.amount * static_cast<float>(source.along[axis]);
     sweep(axis, box, lambda[axis]);
     for (const Source& source : sources_) source_[source.at] = 0.0f;
@@ -360,7 +365,8 @@ void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
         const bool inside = n + 1 < length;
         const float beyond = opens_high ? here : 0.0f;  // the last cell of the box
         const float next_share = inside ? share_[at + next] : beyond, next_inverse = inside ? inverse_whole_[at + next] : inverse;
-        const float high = joint(here + cut_[at], inverse, next_share + (inside ? cut_[at + next] : 0.0f), next_inverse);
+        const float high = inside ? joint(here + cut_[at], inverse, next_share + cut_[at + next], next_inverse)
+                                  : joint(here, inverse, next_share, next_inverse);
         // In cut bone at most what makes no new extremum, half the smaller share; in whole bone it always is.
         const float explicit_high = std::min(explicit_part * high, 0.5f * std::min(here, next_share));
         const float implicit_high = all * high - explicit_high;

@@ -4,12 +4,13 @@
 ///   over the part g / m of half a cell on either side: conductance k (A / d) 2 m^2 / (g1 / w1 + g2 / w2). In bone that is not cut this is the
 ///   harmonic mean of w1 and w2. A cell with f < kLeastShare holds no heat. A free surface is insulated unless it is cooled. Beyond the domain,
 ///   bone is at body temperature.
-///   Cutting  its heat enters evenly over the steps of conduction, with the sweeps along the axes in proportion to the squares of the
-///           components of the cut surface; that of a cell that is empty then, in the cells behind it. The temperature of a cell is the mean
-///           of its bone. Bone leaves at that of the cut surface: with the power P through a cut of the area S, warmer by
-///           P g V / (2 k w S^2), half the rise across the bone of the cell; g and T are the means of a step. Conductances are those of the
-///           middle of a step.
-///   Integration  along one axis after the other (locally one-dimensional), the order reversed from step to step. Along an axis of the
+///   Cutting  its heat enters evenly over the steps of conduction. It enters with the sweeps along the axes, in proportion to the squares of
+///           the components of the cut surface. If its cell is empty by then, it enters the three cells behind that, or is unplaced. The
+///           temperature of a cell is the mean of its bone. Bone leaves at that of the cut surface: with the power P through a cut of the
+///           area S, of which Q goes on to the cells beside, a parabola is warmer there by (2 P + Q) / 3 x g V / (2 k w S^2). Share and
+///           temperature are the means of a step there, and conductances between cells those of its middle.
+///   Integration  along one axis after the other (locally one-dimensional), the order reversed from step to step, that with most of the heat in
+///           the middle. Along an axis of the
 ///           number lambda = k dt / (rho c h^2), a share s of the step is implicit: s = 1/2 - 1 / (12 lambda), at least 0, for lambda up to
 ///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. Between cells of cut
 ///           bone the explicit part of the conductance is at most half of the smaller share. Each sweep keeps the energy, and makes no new
@@ -120,7 +121,8 @@ class HeatField {
   /// The bone behind a cell that was cut away.
   struct Behind {
     std::array<Vec3i, 3> cells;  // next to it along each axis
-    Vec3 part{0.0};              // [-] of the cut surface that faces each, sum 1; all 0: none of them has bone
+    Vec3 part{
+        0.0};  // [-] of its heat for each: by the square of the normal's component, and by the bone that each holds. All 0: none holds bone
   };
   void add(std::size_t at, const Vec3i& cell, double joule);
   /// Puts a part of the heat that waits into bone, and takes from each cell what its bone carried away above its mean temperature.
@@ -135,7 +137,7 @@ class HeatField {
   [[nodiscard]] double filled(std::size_t at) const noexcept {
     return static_cast<double>(share_[at]) * static_cast<double>(inverse_whole_[at]);
   }
-  /// @returns the components of the cut surface in a cell [m^2], twice as large if the cells on both sides of it differ.
+  /// @returns how much less of a face bone fills on one side of a cell than on the other, for each axis, times the area of the face [m^2].
   [[nodiscard]] Vec3 cut_surface(const Vec3i& cell) const noexcept;
   /// @returns how much warmer the cut surface of a full cell is than the mean of its bone [K/W].
   [[nodiscard]] double half_resistance(const Vec3i& cell) const noexcept;
@@ -176,6 +178,7 @@ class HeatField {
   double waiting_ = 0.0;  // [s] not conducted yet
   double heating_ = 0.0;  // [s] in which what waits was released
   double hottest_ = 0.0;
+  int middle_ = 1;  // axis of the second sweep
   std::vector<float> rise_, share_, peak_, dose_;
   std::vector<float> inverse_whole_;                                 // [-] one over the largest share so far
   std::vector<std::uint32_t> slot_;                                  // one more than the place in heatings_; 0: none

@@ -279,7 +279,7 @@ TEST_CASE("heat picture: quantity shows the present temperature, the highest so 
   const double off = 0.004;
   const auto cooled = [](const std::string& quantity) {
     const Keys keys{.conductivity = 1000.0,
-                    .fourier = 20.0,
+                    .fourier = 1.0,
                     .more = fmt::format("[heat.picture]\nquantity = \"{}\"\nlowest_C = 36\nhighest_C = 44\n", quantity)};
     DrillRun run(drilled_post(keys.text() + "[irrigation]\nalways = true\ntemperature_C = 36\n", {"hand.stop_mm=1.0", "duration_s=11.0"}));
     run.run();

@@ -69,7 +69,7 @@ LoadedScene scene_with(const std::string& effects, const char* seconds) {
 
 /// Compares the pictures of a recorded run with those of its replay. After 0.6 of the time the drill stands: what is left changes by less from
 /// frame to frame than is seen. @param seconds of the run. @param film_hz [Hz] of the run; it copies at each frame.
-/// @returns the most triangles of a picture.
+/// @returns the most triangles of a picture; the caller demands some, of which the pictures must differ.
 std::size_t check_replayed(const std::string& effects, bool live, double film_hz, double seconds = 1.5) {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");
