@@ -18,12 +18,17 @@ constexpr std::size_t kFieldCount = 10, kArrays = kFields + 3 * kFieldCount;
 /// Distances in numbers to the nodes within two steps, by lattice steps.
 using Around = std::array<std::int32_t, static_cast<std::size_t>(kSide) * kSide>;
 
+std::size_t place_of_step(int i, int j) noexcept {
+  const int at = (j + kReach) * kSide + i + kReach;
+  return static_cast<std::size_t>(at);
+}
+
 /// @returns the place in Around of a node seen from another, at most two steps away.
 std::size_t step_between(const SheetLattice& lattice, std::uint32_t from, std::uint32_t to) {
   const double height = lattice.area() / lattice.spacing();  // of a row
   const int j = static_cast<int>(std::lround((lattice.y(to) - lattice.y(from)) / height));
   const int i = static_cast<int>(std::lround((lattice.x(to) - lattice.x(from)) / lattice.spacing() - 0.5 * j));
-  return static_cast<std::size_t>((j + kReach) * kSide + i + kReach);
+  return place_of_step(i, j);
 }
 
 Around around(const SheetLattice& lattice, std::uint32_t n) {
@@ -99,9 +104,7 @@ void SheetSolver::find_spans(const SheetLattice& lattice, const std::vector<std:
     };
     for (std::size_t k = 0; k < terms.size(); ++k) set(all[s][terms[k]], span.bend[k]);
     constexpr int kSteps[6][2] = {{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}};
-    const auto to = [&](std::size_t k) {
-      return all[s][static_cast<std::size_t>((kSteps[k][1] + kReach) * kSide + kSteps[k][0] + kReach)];
-    };
+    const auto to = [&](std::size_t k) { return all[s][place_of_step(kSteps[k][0], kSteps[k][1])]; };
     for (std::size_t k = 0; k < 3; ++k) {
       set(to(k), span.onward[k]);
       set(to(kBackOf[k]), span.back[k]);
