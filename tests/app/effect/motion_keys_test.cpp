@@ -43,7 +43,8 @@ Moved moved(const std::string& motion, const SimulationOptions& options = {}) {
                                              column("bone_qx"), column("bone_qy"), column("bone_qz")};
   Moved out{.poses = {}, .world_from_bone = run.loaded().scene.volume.world_from_bone};
   REQUIRE(c[0].size() == 1200);
-  for (std::size_t n = 0; n < c[0].size(); ++n) out.poses.push_back({Quat(c[3][n], c[4][n], c[5][n], c[6][n]), Vec3(c[0][n], c[1][n], c[2][n])});
+  for (std::size_t n = 0; n < c[0].size(); ++n)
+    out.poses.push_back({Quat(c[3][n], c[4][n], c[5][n], c[6][n]), Vec3(c[0][n], c[1][n], c[2][n])});
   out.turned = figure(run.simulation(), "motion", "turned_deg");
   out.fastest = figure(run.simulation(), "motion", "fastest_turn_deg_s");
   return out;
@@ -97,12 +98,12 @@ TEST_CASE("motion by keyframes: pivot_mm, time_s, translation_mm, axis and angle
     const auto off = [&](const Keys& these) { return furthest(run, [&](double time) { return these.at(time); }); };
     MESSAGE("within " << off(keys) << " m");
     CHECK(off(keys) < kRounding);
-    for (double Keys::* const key : {&Keys::from, &Keys::to, &Keys::start, &Keys::end}) {
+    for (double Keys::*const key : {&Keys::from, &Keys::to, &Keys::start, &Keys::end}) {
       Keys wrong = keys;
       wrong.*key *= 1.1;
       CHECK(off(wrong) > kSeen);
     }
-    for (Vec3 Keys::* const key : {&Keys::pivot, &Keys::first, &Keys::second}) {
+    for (Vec3 Keys::*const key : {&Keys::pivot, &Keys::first, &Keys::second}) {
       Keys wrong = keys;
       wrong.*key *= 1.1;
       CHECK(off(wrong) > kSeen);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kMotorPower = 1.0 + 1.0 / 4 + 1.0 / 9 + 1.0 / 16 + 1.0 / 25 + 1.0 / 36;  // of six harmonics 1 / k
-constexpr double kHardness = 0.8, kStep = 0.02;                                            // [-] of the plate; [s] of the bone
+constexpr double kHardness = 0.8, kStep = 0.02;                                           // [-] of the plate; [s] of the bone
 
 class Heard final : public SoundSink {
  public:
@@ -96,7 +96,8 @@ Drilled drilled(const std::string& sound, const std::vector<std::string>& sets =
   scene.sets.insert(scene.sets.end(), sets.begin(), sets.end());
   DrillRun run(scene, options);
   run_recorded(run, folder.file("run.sqlite"));
-  Drilled out{.samples = heard.all, .removed = {}, .teeth = cutting_teeth(run.loaded().tool), .radius = rubbing_radius(run.loaded().tool.erosion)};
+  Drilled out{
+      .samples = heard.all, .removed = {}, .teeth = cutting_teeth(run.loaded().tool), .radius = rubbing_radius(run.loaded().tool.erosion)};
   const std::vector<double> sum = session_column(folder.file("run.sqlite"), "removed_mass");
   for (auto n = static_cast<std::size_t>(Drilled::kFrom / kStep); n < static_cast<std::size_t>(Drilled::kTo / kStep); ++n)
     out.removed.push_back(sum[n] - sum[n - 1]);
@@ -125,8 +126,8 @@ TEST_CASE("sound of a motor that turns freely: sample_rate_hz, volume, motor_rpm
     const double worst = largest_difference(samples, keys.samples(samples.size())) / keys.level();
     MESSAGE("within " << worst << " of the level");
     CHECK(worst < kRounding);
-    for (double MotorKeys::* const key : {&MotorKeys::sample_rate_hz, &MotorKeys::volume, &MotorKeys::motor_rpm, &MotorKeys::motor_level,
-                                          &MotorKeys::response_ms}) {
+    for (double MotorKeys::*const key :
+         {&MotorKeys::sample_rate_hz, &MotorKeys::volume, &MotorKeys::motor_rpm, &MotorKeys::motor_level, &MotorKeys::response_ms}) {
       MotorKeys wrong = keys;
       wrong.*key *= 1.1;
       CHECK(largest_difference(samples, wrong.samples(samples.size())) > 0.05 * keys.level());
@@ -156,7 +157,8 @@ TEST_CASE("sound of cutting: tooth_level gives the amplitude at the tooth passin
     const Drilled run = drilled(fmt::format("sound={{motor_level=0.0, tooth_level={}, chip_level=0.0}}", level));
     const double passes = 1000.0 / 60.0 * kStep * run.teeth.count, q = 0.5 + 0.35 * kHardness;
     const double power = (1.0 - std::pow(q, 48)) / (1.0 - q * q);
-    const double expected = 0.5 * level * kHardness * kHardness * run.mean_root() / std::sqrt(passes * run.teeth.area * 10e-6) / std::sqrt(power);
+    const double expected =
+        0.5 * level * kHardness * kHardness * run.mean_root() / std::sqrt(passes * run.teeth.area * 10e-6) / std::sqrt(power);
     const double found = run.amplitude(1000.0 / 60.0 * run.teeth.count);
     MESSAGE(run.teeth.count << " teeth, amplitude " << found << ", expected " << expected);
     CHECK(found == doctest::Approx(expected).epsilon(0.02));

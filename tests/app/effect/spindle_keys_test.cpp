@@ -43,7 +43,8 @@ double mean_radius(const BoneModel& bone) {
 }
 
 /// @param also a column of the same run, for `values`.
-std::vector<double> spins(const SmallScene& scene, const SimulationOptions& options, const std::string& also = "", std::vector<double>* values = nullptr) {
+std::vector<double> spins(const SmallScene& scene, const SimulationOptions& options, const std::string& also = "",
+                          std::vector<double>* values = nullptr) {
   const TemporaryFolder folder;
   DrillRun run(scene, options);
   run_recorded(run, folder.file("run.sqlite"));
@@ -55,12 +56,12 @@ std::vector<double> spins(const SmallScene& scene, const SimulationOptions& opti
 
 TEST_CASE("spindle without load: braked and driven again it follows with 2 pi I n0 / M, by both keys") {
   // Off from 0.2 s, at half speed from 0.6 s, on from 0.8 s. A step rounds by some 1e-16 of 17 rev/s.
-  for (const SpindleKeys& keys : {SpindleKeys{2.0, 2e-3}, SpindleKeys{2.0, 4e-3}, SpindleKeys{0.5, 2e-3}, SpindleKeys{2.0, 1e-4}, SpindleKeys{0.1, 0.0}}) {
+  for (const SpindleKeys& keys :
+       {SpindleKeys{2.0, 2e-3}, SpindleKeys{2.0, 4e-3}, SpindleKeys{0.5, 2e-3}, SpindleKeys{2.0, 1e-4}, SpindleKeys{0.1, 0.0}}) {
     CAPTURE(keys.text());
     SimulationOptions options;
     options.inputs = {{200, InputKind::spin, 0.0, {}, {}}, {600, InputKind::spin, 0.5, {}, {}}, {800, InputKind::spin, 1.0, {}, {}}};
-    const std::vector<double> found =
-        spins({.record = true, .sets = {"duration_s=1.2", "hand.standoff_mm=8", keys.text()}}, options);
+    const std::vector<double> found = spins({.record = true, .sets = {"duration_s=1.2", "hand.standoff_mm=8", keys.text()}}, options);
     REQUIRE(found.size() >= 59);
     const auto worst = [&](const SpindleKeys& these) {
       double speed = kFree, out = 0.0;
@@ -85,9 +86,10 @@ TEST_CASE("spindle under load: it settles at n0 (1 - M / stall_torque_Nm), and s
   // speed is that of the torque in each step. A step takes columns of one layer unevenly, so its radius is not that of all; over 45 steps this is a few
   // layers, to a part of one: 2 %.
   const auto post = [](double stall, double push) {
-    return SmallScene{.volume = kPostKeys,
-                      .record = true,
-                      .sets = {"duration_s=2.5", "tool.name=\"punch\"", fmt::format("hand.push_N={}", push), SpindleKeys{stall, 0.0}.text()}};
+    return SmallScene{
+        .volume = kPostKeys,
+        .record = true,
+        .sets = {"duration_s=2.5", "tool.name=\"punch\"", fmt::format("hand.push_N={}", push), SpindleKeys{stall, 0.0}.text()}};
   };
   const double torque_of_force = 0.5 * mean_radius(*load_small(post(1.0, 20.0)).bone);
   struct Settled {
