@@ -1,0 +1,140 @@
+// [contact] in a run: stiffness and damping of springs, rate and latency, each against the closed form of a hand that is pressed on a plate.
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/app/effect/pressed_plate.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr double kCoupling = 5000.0;    // [N/m] the default
+constexpr double kFound = 7.5e-6;       // [m] contact is found to 0.03 of a voxel of 0.25 mm (constrained_tool.h),
+constexpr double kMet = 0.5e-6;         // and a plane is met to 0.002 of one (constrained_tool.cpp)
+constexpr double kHardness = 0.8;       // [-] of the plate
+constexpr double kHardnessStep = 5e-3;  // [-] of the force: hardness is stored in steps of 1/255
+
+/// Slowly from the air to a depth [m], where it stays from 0.3 s on.
+std::function<double(std::size_t)> down_to(double depth) {
+  return [depth](std::size_t tick) { return -0.05e-3 + (depth + 0.05e-3) * std::min(1.0, static_cast<double>(tick) / 300.0); };
+}
+double in_series(double a, double b) { return 1.0 / (1.0 / a + 1.0 / b); }
+
+}  // namespace
+
+TEST_CASE("contact: coupling_N_per_m is the force over the way of the hand into bone") {
+  for (const double stiffness : {5000.0, 5500.0, 1000.0}) {
+    const double force = sent({fmt::format("contact.coupling_N_per_m={}", stiffness)}, down_to(2e-3)).back();
+    CHECK(std::abs(force - stiffness * 2e-3) < stiffness * kFound);
+  }
+}
+
+TEST_CASE("contact: coupling_N_s_per_m is the force over the speed of the hand, beside that of the spring") {
+  // 2 mm in 0.3 s, and at rest after.
+  const double speed = 2.05e-3 / 0.3;
+  const std::vector<double> spring = sent({}, down_to(2e-3));
+  for (const double damping : {30.0, 33.0, 100.0}) {
+    const std::vector<double> found = sent({fmt::format("contact.coupling_N_s_per_m={}", damping)}, down_to(2e-3));
+    for (const std::size_t n : {100u, 200u, 290u}) CHECK(found[n] - spring[n] == doctest::Approx(damping * speed).epsilon(0.01));
+    CHECK(std::abs(found.back() - spring.back()) < 1e-3);
+  }
+}
+
+TEST_CASE("contact: cutting_N_per_m is the force over the engagement of a flat bit that spins") {
+  for (const double cutting : {10e3, 11e3, 40e3}) {
+    const double force =
+        sent({"tool.name=\"pin\"", "tool.spin_rpm=1000", fmt::format("contact.cutting_N_per_m={}", cutting)}, down_to(2e-3)).back();
+    const double expected = 2e-3 * in_series(kCoupling, cutting);
+    MESSAGE("cutting " << cutting << ": " << force << " N, expected " << expected);
+    CHECK(std::abs(force - expected) < kCoupling * kFound);
+  }
+}
+
+TEST_CASE("contact: coupling_Nm_per_rad is the torque over the angle of the hand to a flat bit that lies on bone") {
+  // A thrust of 20 N holds a face of 1 mm radius flat against up to 0.02 N m. Planes that are met to 0.5 um let it lean by 0.5 mrad of 20.
+  for (const double stiffness : {0.5, 0.55, 0.2}) {
+    PressingHand hand(down_to(4e-3));
+    hand.turn(glm::angleAxis(0.02, Vec3(0.0, 1.0, 0.0)));
+    SimulationOptions options;
+    options.hand = &hand;
+    DrillRun run(SmallScene{.erosion = false,
+                            .sets = {"duration_s=0.6", "tool.spin_rpm=0", "tool.name=\"pin\"",
+                                     fmt::format("contact.coupling_Nm_per_rad={}", stiffness)}},
+                 options);
+    run.run();
+    const double torque = -run.simulation().contact_state().on_hand.torque.y;
+    MESSAGE("torque " << torque << " N m, expected " << 0.02 * stiffness);
+    CHECK(torque == doctest::Approx(0.02 * stiffness).epsilon(0.03));
+  }
+}
+
+TEST_CASE("contact: bone_N_per_m times hardness and label_stiffness is the stiffness of bone under a point, in series with the coupling") {
+  // 40 um deep, of which bone gives less than the 31 um at which the ball's next points touch.
+  for (const auto& [bone, factor] : {std::pair{6250.0, 1.0}, {6875.0, 1.0}, {6250.0, 0.8}, {20e3, 1.0}}) {
+    const double force =
+        sent({fmt::format("contact.bone_N_per_m={}", bone), fmt::format("contact.label_stiffness={{bone={}}}", factor)}, down_to(40e-6))
+            .back();
+    const double expected = 40e-6 * in_series(kCoupling, kHardness * factor * bone);
+    MESSAGE("bone " << bone << ", factor " << factor << ": " << force << " N, expected " << expected);
+    CHECK(std::abs(force - expected) < kCoupling * kMet + kHardnessStep * expected);
+  }
+}
+
+TEST_CASE("contact: felt_hardness is the share by which the spring is softer on bone of hardness 0") {
+  for (const double share : {0.5, 0.55, 0.9}) {
+    const double force = sent({fmt::format("contact.felt_hardness={}", share)}, down_to(2e-3)).back();
+    const double expected = 2e-3 * kCoupling * (1.0 - share * (1.0 - kHardness));
+    MESSAGE("felt " << share << ": " << force << " N, expected " << expected);
+    CHECK(std::abs(force - expected) < kCoupling * kFound);
+  }
+}
+
+TEST_CASE("contact: stiffness_N_per_m of a penalty model is the force of a flat face over its depth, in series with a virtual coupling") {
+  // The packed places of a penalty model are 2^-14 of a voxel apart.
+  for (const double stiffness : {2000.0, 2200.0, 20e3}) {
+    CAPTURE(stiffness);
+    const auto force = [&](const std::string& coupling) {
+      PressingHand hand(down_to(0.1e-3));
+      SimulationOptions options;
+      options.hand = &hand;
+      DrillRun run(SmallScene{.erosion = false,
+                              .contact_keys = fmt::format("model = \"gradient-plane\"\nstiffness_N_per_m = {}\n{}", stiffness, coupling),
+                              .sets = {"duration_s=0.6", "tool.spin_rpm=0", "tool.name=\"pin\""}},
+                   options);
+      run.run();
+      return hand.sent.back();
+    };
+    CHECK(force("") == doctest::Approx(0.1e-3 * stiffness).epsilon(0.002));
+    for (const double coupling : {5000.0, 5500.0})
+      CHECK(force(fmt::format("coupling = \"virtual\"\ncoupling_N_per_m = {}\n", coupling)) ==
+            doctest::Approx(0.1e-3 * in_series(stiffness, coupling)).epsilon(0.002));
+  }
+}
+
+TEST_CASE("contact: latency_ticks is the time from a motion to its force, and rate_hz how often the force is found anew") {
+  const auto step = [](std::size_t tick) { return tick < 100 ? -0.1e-3 : 2e-3; };
+  for (const std::size_t latency : {0u, 10u, 11u, 40u}) {
+    const std::vector<double> found = sent({fmt::format("contact.latency_ticks={}", latency), "servo.multirate=\"hold\""}, step);
+    CHECK(found[100 + latency] > 9.0);
+    if (latency > 0) CHECK(found[100 + latency - 1] == 0.0);
+  }
+  for (const std::size_t rate : {20u, 100u, 1000u}) {
+    const std::vector<double> found =
+        sent({fmt::format("contact.rate_hz={}", rate), "servo.multirate=\"hold\"", "contact.latency_ticks=-1"}, down_to(5e-3));
+    std::size_t changes = 0;
+    for (std::size_t n = 100; n < 300; ++n) changes += found[n] != found[n - 1] ? 1 : 0;
+    CHECK(changes == rate * 200 / 1000);
+  }
+  // Absent, a force is a contact period late.
+  CHECK(sent({"contact.rate_hz=20", "servo.multirate=\"hold\"", "contact.latency_ticks=-1"}, step)[149] == 0.0);
+  CHECK(sent({"contact.rate_hz=20", "servo.multirate=\"hold\"", "contact.latency_ticks=-1"}, step)[150] > 9.0);
+}
+
+}  // namespace burrhole::test
