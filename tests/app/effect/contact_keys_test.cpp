@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/app/effect/pressed_plate.h"
+#include "tests/support/temporary_folder.h"
 
 namespace burrhole::test {
 namespace {
@@ -61,7 +62,7 @@ TEST_CASE("contact: coupling_Nm_per_rad is the torque over the angle of the hand
   // A thrust of 20 N holds a face of 1 mm radius flat against up to 0.02 N m. Planes that are met to 0.5 um let it lean by 0.5 mrad of 20.
   for (const double stiffness : {0.5, 0.55, 0.2}) {
     PressingHand hand(down_to(4e-3));
-    hand.turn(glm::angleAxis(0.02, Vec3(0.0, 1.0, 0.0)));
+    hand.angle = [](std::size_t) { return 0.02; };
     SimulationOptions options;
     options.hand = &hand;
     DrillRun run(SmallScene{.erosion = false,
@@ -135,6 +136,87 @@ TEST_CASE("contact: latency_ticks is the time from a motion to its force, and ra
   // Absent, a force is a contact period late.
   CHECK(sent({"contact.rate_hz=20", "servo.multirate=\"hold\"", "contact.latency_ticks=-1"}, step)[149] == 0.0);
   CHECK(sent({"contact.rate_hz=20", "servo.multirate=\"hold\"", "contact.latency_ticks=-1"}, step)[150] > 9.0);
+}
+
+namespace {
+
+/// Keys of a virtual coupling, of one degree of freedom: mass or inertia, stiffness, damping.
+struct BodyKeys {
+  double mass = 0.05, stiffness = 20.0, damping = 0.2;
+  double inertia = 2e-5, turning_stiffness = 0.01, turning_damping = 1e-4;
+  [[nodiscard]] std::string text() const {
+    return fmt::format(
+        "model = \"gradient-plane\"\ncoupling = \"virtual\"\nlatency_ticks = 0\nmass_kg = {}\ncoupling_N_per_m = {}\ncoupling_N_s_per_m = "
+        "{}\n"
+        "inertia_kg_m2 = {}\ncoupling_Nm_per_rad = {}\ncoupling_Nm_s_per_rad = {}\n",
+        mass, stiffness, damping, inertia, turning_stiffness, turning_damping);
+  }
+};
+double hand_height(std::size_t tick) { return 0.5e-3 + 0.1e-3 * (1.0 - std::cos(0.03 * static_cast<double>(tick))); }  // [m]
+double hand_angle(std::size_t tick) { return 0.05 * (1.0 - std::cos(0.02 * static_cast<double>(tick))); }              // [rad]
+
+/// What a body in the air gives to the hand at each tick, by the implicit step of virtual_coupling.h in one degree of freedom.
+/// @param stretch [m] or [rad] of the spring between two places.
+std::vector<double> given(double mass, double stiffness, double damping, double (*hand)(std::size_t), double (*stretch)(double)) {
+  std::vector<double> out;
+  double x = hand(0), v = 0.0;
+  for (std::size_t n = 0; n < 600; ++n) {
+    const double h = hand(n), hand_speed = n == 0 ? 0.0 : stretch(h - hand(n - 1)) / 1e-3;
+    v = (mass * v + 1e-3 * (stiffness * stretch(h - x) + damping * hand_speed)) / (mass + 1e-3 * damping + 1e-6 * stiffness);
+    x += 1e-3 * v;
+    out.push_back(-stiffness * stretch(h - x) + damping * (v - hand_speed));
+  }
+  return out;
+}
+double straight(double way) { return way; }
+double turned(double angle) { return 2.0 * std::sin(0.5 * angle); }
+
+double furthest(const std::vector<double>& a, const std::vector<double>& b) {
+  double out = 0.0;
+  for (std::size_t n = 0; n < a.size(); ++n) out = std::max(out, std::abs(a[n] - b[n]));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "contact: mass, inertia, springs and dampers of a virtual coupling give the force and torque of a tool that is swung in the air") {
+  for (const BodyKeys& keys : {BodyKeys{}, BodyKeys{.mass = 0.1, .inertia = 1e-4}, BodyKeys{.stiffness = 50, .turning_stiffness = 0.03},
+                               BodyKeys{.damping = 1, .turning_damping = 1e-3}}) {
+    CAPTURE(keys.text());
+    const TemporaryFolder folder;
+    PressingHand hand([](std::size_t tick) { return -hand_height(tick); });
+    hand.angle = hand_angle;
+    SimulationOptions options;
+    options.hand = &hand;
+    DrillRun run(SmallScene{.erosion = false,
+                            .record = true,
+                            .contact_keys = keys.text(),
+                            .sets = {"duration_s=0.6", "tool.spin_rpm=0", "servo.multirate=\"hold\""}},
+                 options);
+    run_recorded(run, folder.file("run.sqlite"));
+    const std::vector<double> torque = session_column(folder.file("run.sqlite"), "torque_y");
+    const auto force_off = [&](const BodyKeys& k) {
+      return furthest(hand.sent, given(k.mass, k.stiffness, k.damping, hand_height, straight));
+    };
+    const auto torque_off = [&](const BodyKeys& k) {
+      return furthest(torque, given(k.inertia, k.turning_stiffness, k.turning_damping, hand_angle, turned));
+    };
+    const double most = std::ranges::max(hand.sent), most_torque = std::ranges::max(torque);
+    MESSAGE("force of " << most << " N within " << force_off(keys) << ", torque of " << most_torque << " N m within " << torque_off(keys));
+    CHECK(force_off(keys) < 1e-10 * keys.stiffness);  // the tool starts over an entry that is found to 1e-10 m
+    CHECK(torque_off(keys) < 1e-6 * most_torque);     // a recorded torque is a float
+    for (double BodyKeys::*const key : {&BodyKeys::mass, &BodyKeys::stiffness, &BodyKeys::damping}) {
+      BodyKeys wrong = keys;
+      wrong.*key *= 1.1;
+      CHECK(force_off(wrong) > 1e-3 * most);
+    }
+    for (double BodyKeys::*const key : {&BodyKeys::inertia, &BodyKeys::turning_stiffness, &BodyKeys::turning_damping}) {
+      BodyKeys wrong = keys;
+      wrong.*key *= 1.1;
+      CHECK(torque_off(wrong) > 1e-3 * most_torque);
+    }
+  }
 }
 
 }  // namespace burrhole::test

@@ -19,6 +19,7 @@ class PressingHand final : public HandSource {
     const std::size_t tick = sent.size();
     state_.world_from_hand.translation.z = -depth_(tick);
     state_.velocity.z = tick == 0 ? 0.0 : state_.world_from_hand.translation.z / 1e-3 + depth_(tick - 1) / 1e-3;
+    if (angle) state_.world_from_hand.rotation = glm::angleAxis(angle(tick), Vec3(0.0, 1.0, 0.0));
     state_.tick = tick;
     return state_;
   }
@@ -26,9 +27,9 @@ class PressingHand final : public HandSource {
     sent.push_back(on_hand.force.z);
     if (sent.size() == stop_at) stop();
   }
-  void turn(const Quat& world_from_hand) noexcept { state_.world_from_hand.rotation = world_from_hand; }
-  std::vector<double> sent;  // [N] along z, of each tick
-  std::size_t stop_at = 0;
+  std::vector<double> sent;                  // [N] along z, of each tick
+  std::function<double(std::size_t)> angle;  // [rad] about y at a tick; empty: upright
+  std::size_t stop_at = 0;                   // [ticks] after which stop is called
   std::function<void()> stop;
 
  private:
