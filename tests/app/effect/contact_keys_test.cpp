@@ -26,36 +26,45 @@ constexpr double kHardnessStep = 5e-3;  // [-] of the force: hardness is stored 
 std::function<double(std::size_t)> down_to(double depth) {
   return [depth](std::size_t tick) { return -0.05e-3 + (depth + 0.05e-3) * std::min(1.0, static_cast<double>(tick) / 300.0); };
 }
+/// The models that hold a tool back.
+constexpr const char* kHeldModels[] = {"contact.model=\"surface\"", "contact.model=\"mesh\""};
 double in_series(double a, double b) { return 1.0 / (1.0 / a + 1.0 / b); }
 
 }  // namespace
 
 TEST_CASE("contact: coupling_N_per_m is the force over the way of the hand into bone") {
-  for (const double stiffness : {5000.0, 5500.0, 1000.0}) {
-    const double force = sent({fmt::format("contact.coupling_N_per_m={}", stiffness)}, down_to(2e-3)).back();
-    CHECK(std::abs(force - stiffness * 2e-3) < stiffness * kFound);
-  }
+  for (const char* const model : kHeldModels)
+    for (const double stiffness : {5000.0, 5500.0, 1000.0}) {
+      CAPTURE(model);
+      const double force = sent({model, fmt::format("contact.coupling_N_per_m={}", stiffness)}, down_to(2e-3)).back();
+      CHECK(std::abs(force - stiffness * 2e-3) < stiffness * kFound);
+    }
 }
 
 TEST_CASE("contact: coupling_N_s_per_m is the force over the speed of the hand, beside that of the spring") {
   // 2 mm in 0.3 s, and at rest after.
   const double speed = 2.05e-3 / 0.3;
-  const std::vector<double> spring = sent({}, down_to(2e-3));
-  for (const double damping : {30.0, 33.0, 100.0}) {
-    const std::vector<double> found = sent({fmt::format("contact.coupling_N_s_per_m={}", damping)}, down_to(2e-3));
-    for (const std::size_t n : {100u, 200u, 290u}) CHECK(found[n] - spring[n] == doctest::Approx(damping * speed).epsilon(0.01));
-    CHECK(std::abs(found.back() - spring.back()) < 1e-3);
+  for (const char* const model : kHeldModels) {
+    CAPTURE(model);
+    const std::vector<double> spring = sent({model}, down_to(2e-3));
+    for (const double damping : {30.0, 33.0, 100.0}) {
+      const std::vector<double> found = sent({model, fmt::format("contact.coupling_N_s_per_m={}", damping)}, down_to(2e-3));
+      for (const std::size_t n : {100u, 200u, 290u}) CHECK(found[n] - spring[n] == doctest::Approx(damping * speed).epsilon(0.01));
+      CHECK(std::abs(found.back() - spring.back()) < 1e-3);
+    }
   }
 }
 
 TEST_CASE("contact: cutting_N_per_m is the force over the engagement of a flat bit that spins") {
-  for (const double cutting : {10e3, 11e3, 40e3}) {
-    const double force =
-        sent({"tool.name=\"pin\"", "tool.spin_rpm=1000", fmt::format("contact.cutting_N_per_m={}", cutting)}, down_to(2e-3)).back();
-    const double expected = 2e-3 * in_series(kCoupling, cutting);
-    MESSAGE("cutting " << cutting << ": " << force << " N, expected " << expected);
-    CHECK(std::abs(force - expected) < kCoupling * kFound);
-  }
+  for (const char* const model : kHeldModels)
+    for (const double cutting : {10e3, 11e3, 40e3}) {
+      CAPTURE(model);
+      const std::vector<std::string> keys{model, "tool.name=\"pin\"", "tool.spin_rpm=1000",
+                                          fmt::format("contact.cutting_N_per_m={}", cutting)};
+      const double force = sent(keys, down_to(2e-3)).back(), expected = 2e-3 * in_series(kCoupling, cutting);
+      MESSAGE("cutting " << cutting << ": " << force << " N, expected " << expected);
+      CHECK(std::abs(force - expected) < kCoupling * kFound);
+    }
 }
 
 TEST_CASE("contact: coupling_Nm_per_rad is the torque over the angle of the hand to a flat bit that lies on bone") {
@@ -88,6 +97,15 @@ TEST_CASE("contact: bone_N_per_m times hardness and label_stiffness is the stiff
   }
 }
 
+TEST_CASE("contact: bone_N_per_m of a mesh is the stiffness under a point, whatever the hardness") {
+  for (const double bone : {5000.0, 5500.0, 20e3}) {
+    const double force = sent({"contact.model=\"mesh\"", fmt::format("contact.bone_N_per_m={}", bone)}, down_to(40e-6)).back();
+    const double expected = 40e-6 * in_series(kCoupling, bone);
+    MESSAGE("bone " << bone << ": " << force << " N, expected " << expected);
+    CHECK(std::abs(force - expected) < kCoupling * kMet);
+  }
+}
+
 TEST_CASE("contact: felt_hardness is the share by which the spring is softer on bone of hardness 0") {
   for (const double share : {0.5, 0.55, 0.9}) {
     const double force = sent({fmt::format("contact.felt_hardness={}", share)}, down_to(2e-3)).back();
@@ -97,25 +115,41 @@ TEST_CASE("contact: felt_hardness is the share by which the spring is softer on 
   }
 }
 
+namespace {
+
+/// [N] on a hand that presses the flat face of a pin down to a depth [m], by a penalty model.
+double pressed(const std::string& keys, double stiffness, double depth) {
+  PressingHand hand(down_to(depth));
+  SimulationOptions options;
+  options.hand = &hand;
+  DrillRun run(SmallScene{.erosion = false,
+                          .contact_keys = fmt::format("{}stiffness_N_per_m = {}\n", keys, stiffness),
+                          .sets = {"duration_s=0.6", "tool.spin_rpm=0", "tool.name=\"pin\""}},
+               options);
+  run.run();
+  return hand.sent.back();
+}
+
+}  // namespace
+
 TEST_CASE("contact: stiffness_N_per_m of a penalty model is the force of a flat face over its depth, in series with a virtual coupling") {
-  // The packed places of a penalty model are 2^-14 of a voxel apart.
-  for (const double stiffness : {2000.0, 2200.0, 20e3}) {
-    CAPTURE(stiffness);
-    const auto force = [&](const std::string& coupling) {
-      PressingHand hand(down_to(0.1e-3));
-      SimulationOptions options;
-      options.hand = &hand;
-      DrillRun run(SmallScene{.erosion = false,
-                              .contact_keys = fmt::format("model = \"gradient-plane\"\nstiffness_N_per_m = {}\n{}", stiffness, coupling),
-                              .sets = {"duration_s=0.6", "tool.spin_rpm=0", "tool.name=\"pin\""}},
-                   options);
-      run.run();
-      return hand.sent.back();
-    };
-    CHECK(force("") == doctest::Approx(0.1e-3 * stiffness).epsilon(0.002));
-    for (const double coupling : {5000.0, 5500.0})
-      CHECK(force(fmt::format("coupling = \"virtual\"\ncoupling_N_per_m = {}\n", coupling)) ==
-            doctest::Approx(0.1e-3 * in_series(stiffness, coupling)).epsilon(0.002));
+  // Packed places are 2^-14 of a voxel apart.
+  for (const std::string model : {"model = \"gradient-plane\"\n", "model = \"mesh\"\ntool = \"hand\"\n",
+                                  "model = \"mesh\"\ntool = \"hand\"\nstacking = \"deepest\"\n"})
+    for (const double stiffness : {2000.0, 2200.0, 20e3}) {
+      CAPTURE(model);
+      CAPTURE(stiffness);
+      CHECK(pressed(model, stiffness, 0.1e-3) == doctest::Approx(0.1e-3 * stiffness).epsilon(0.002));
+      for (const double coupling : {5000.0, 5500.0})
+        CHECK(pressed(model + fmt::format("coupling = \"virtual\"\ncoupling_N_per_m = {}\n", coupling), stiffness, 0.1e-3) ==
+              doctest::Approx(0.1e-3 * in_series(stiffness, coupling)).epsilon(0.002));
+    }
+  // A voxmap has steps, and the lean of a normal counts (voxmap_law_test): the force is in proportion to the stiffness.
+  for (const std::string stacking : {"sum", "sum-limited", "average", "deepest"}) {
+    const std::string model = "model = \"voxmap\"\nstacking = \"" + stacking + "\"\n";
+    const double force = pressed(model, 2000.0, 0.2e-3);
+    CHECK(force > 0.1);
+    CHECK(pressed(model, 2200.0, 0.2e-3) == doctest::Approx(1.1 * force).epsilon(1e-12));
   }
 }
 
