@@ -2,7 +2,7 @@
 ///   Model  The pores of spongy bone are 1 - (relative mineral density) of its volume, and the same share of each cut through it (Delesse). The area
 ///          of a cut is the integral of |gradient of density| (coarea formula), which does not count the steps of voxels as their faces would.
 ///          A source is a voxel in which, or beside which, bone was taken away; it is fresh whenever the surface in it changes.
-///           A voxel is updated again only if its density or that of one of its six neighbours is new.
+///          A voxel is updated again only if its density or that of one of its six neighbours is new.
 ///          The hole is what was taken away of the bone as loaded. Its volume is kept by height over gravity, in layers of one voxel, so the level
 ///          of what it holds follows directly; it is one pool. It overflows where a voxel of it touches the outside. Below it is closed.
 ///   Frame  index coordinates; heights [m] are along the bone frame's direction against gravity.   Units  SI.
