@@ -145,19 +145,19 @@ TEST_CASE("device: force_scale is the force at the grip over that on the drill, 
   for (const double scale : {0.4, 0.3, 0.1}) {
     const Pressed found = pressed(fmt::format("device={{force_scale={}}}", scale), 20.0);
     MESSAGE("shown " << found.shown << " N of " << found.sent);
-    CHECK(found.shown == doctest::Approx(scale * found.sent).epsilon(1e-6));  // a recorded force has 24 bits
+    CHECK(found.shown == doctest::Approx(scale * found.sent).epsilon(1e-6).scale(0.0));  // a recorded force has 24 bits
     CHECK(std::abs(found.shown - scale * 20.0) < 0.06);
     CHECK(std::abs(found.shown - 1.1 * scale * 20.0) > 0.06);
   }
   // Absent: the largest force over the push, at most 1.
-  CHECK(pressed("device={force_N=5}", 20.0).shown == doctest::Approx(5.0).epsilon(0.0125));
-  CHECK(pressed("device={force_N=5}", 4.0).sent == doctest::Approx(4.0).epsilon(0.0125));
-  CHECK(pressed("device={name=\"omni\", friction_N=0.0}", 20.0).shown == doctest::Approx(3.3).epsilon(0.005));
+  CHECK(pressed("device={force_N=5}", 20.0).shown == doctest::Approx(5.0).epsilon(0.0125).scale(0.0));
+  CHECK(pressed("device={force_N=5}", 4.0).sent == doctest::Approx(4.0).epsilon(0.0125).scale(0.0));
+  CHECK(pressed("device={name=\"omni\", friction_N=0.0}", 20.0).shown == doctest::Approx(3.3).epsilon(0.005).scale(0.0));
   // The limit, where the push is more.
   for (const auto& [scale, force] : {std::pair{1.0, 3.0}, {0.5, 3.0}, {0.5, 6.0}}) {
     const Pressed found = pressed(fmt::format("device={{force_scale={}, force_N={}}}", scale, force), 20.0);
-    CHECK(found.shown == doctest::Approx(force).epsilon(1e-12));
-    CHECK(found.sent == doctest::Approx(force / scale).epsilon(1e-6));
+    CHECK(found.shown == doctest::Approx(force).epsilon(1e-12).scale(0.0));
+    CHECK(found.sent == doctest::Approx(force / scale).epsilon(1e-6).scale(0.0));
   }
 }
 
