@@ -159,8 +159,15 @@ TEST_CASE("bleeding: each key changes what it names") {
   CHECK(base.of("bled_ml") > 0.005);
   CHECK(with("pressure_kPa = 2.6\n", "bled_ml") == doctest::Approx(2.0 * base.of("bled_ml")).epsilon(0.03));
   CHECK(bled("[bleeding]\nconductance_mm_per_s_kPa = 10\n").of("bled_ml") == doctest::Approx(0.5 * base.of("bled_ml")).epsilon(0.03));
-  // The hole opens from 0.15 to 0.4 s and bleeds to 3 s: a mean of about exp(-1.3 / 2).
-  CHECK(with("coagulation_s = 2\n", "bled_ml") == doctest::Approx(base.of("bled_ml") * (1.0 - std::exp(-1.36)) / 1.36).epsilon(0.03));
+  // The bit has left the bone at 0.63 s; what it rubs until then is fresh again. Without blood over the pores the flow q of 1 s falls as exp(-t / T): by 3 s
+  // q T (1 - exp(-2 s / T)) have bled, less dt / (2 T) = 0.13 % by steps of dt = 5 ms.
+  const auto dry = [](const char* seconds, const char* name) {
+    return bled(kBleeding + "coagulation_s = 2\nsuction_ml_per_min = 1000\n", {std::string("duration_s=") + seconds, "erosion.rate_hz=200"})
+        .of(name);
+  };
+  const double clotting = dry("3.0", "bled_ml") - dry("1.0", "bled_ml"), flow = dry("1.0", "flow_ml_per_min") / 60.0;
+  CHECK(clotting == doctest::Approx(flow * 2.0 * (1.0 - std::exp(-1.0))).epsilon(0.003));
+  CHECK(std::abs(clotting / (flow * 2.2 * (1.0 - std::exp(-2.0 / 2.2))) - 1.0) > 0.03);  // sabotage
   // Voxels on the border to the tables, of 3 mm, are harder: they have pores by this alone.
   CHECK(with("solid_hardness = 0.9\n", "opened_pores_mm2") == doctest::Approx(2.0 * base.of("opened_pores_mm2")).epsilon(0.05));
   CHECK(with("solid_hardness = 0.4\n", "opened_pores_mm2") == 0.0);
