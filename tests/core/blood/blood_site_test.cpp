@@ -153,16 +153,20 @@ TEST_CASE("blood: dense bone, bone as loaded and cuts of before the run do not b
 
 TEST_CASE("blood: a cylindrical hole of area A fills to V / A, and overflows at its rim") {
   for (const double edge : {0.5e-3, 0.25e-3}) {
-    const double radius = 5e-3, bottom = 4e-3, area = kPi * radius * radius;
+    const double radius = 5.1e-3, bottom = 4e-3;
     const BloodSite site = drilled(block(edge, Vec3(7e-3), 6e-3, 0.4), cylinder(radius, bottom), 0.0);
-    // The area by voxel centres: the circle problem, here below 1.5 %.
-    CHECK(site.capacity() == doctest::Approx(area * bottom).epsilon(0.015));
-    CHECK(site.spill() == doctest::Approx(0.0).epsilon(1e-9));
+    // Whole voxels: those whose centres lie inside. Their area differs from the circle's by the circle problem, some percent here.
+    int inside = 0;
+    for (int i = -30; i <= 30; ++i)
+      for (int j = -30; j <= 30; ++j) inside += std::hypot(i * edge, j * edge) < radius ? 1 : 0;
+    const double area = inside * edge * edge;
+    CHECK(site.capacity() == doctest::Approx(area * bottom).epsilon(1e-9));
+    CHECK(std::abs(site.spill()) < 1e-9 * bottom);
     CHECK(site.floor() == doctest::Approx(-bottom));
     for (const double share : {0.1, 0.37, 0.5, 0.99})
       CHECK(site.level_of(share * site.capacity()) - site.floor() == doctest::Approx(share * bottom).epsilon(1e-9));
     CHECK(site.level_of(2.0 * site.capacity()) == site.spill());
-    CHECK(site.area_at(-0.5 * bottom) == doctest::Approx(area).epsilon(0.015));
+    CHECK(site.area_at(-0.5 * bottom) == doctest::Approx(area).epsilon(1e-9));
   }
 }
 
@@ -186,7 +190,6 @@ TEST_CASE("blood: under any gravity the level agrees with a plain twin that fill
     });
     std::ranges::sort(voxels);
     // A layer is at most one edge high, and the rim is known to a layer.
-    CHECK(site.spill() == doctest::Approx(spill - 0.5 * edge).epsilon(1.0).scale(1.1 * edge));
     CHECK(std::abs(site.spill() - (spill - 0.5 * edge)) < 1.1 * edge);
     for (const double share : {0.2, 0.6, 0.95}) {
       double sum = 0.0, level = 0.0;
