@@ -16,6 +16,8 @@ namespace {
 constexpr std::uint16_t kNone = 65535;
 constexpr float kCut = 1e-3f;                  // [-] less density than this was not taken away by a tool
 constexpr std::uint8_t kOwn = 1, kBeside = 2;  // of is_new_
+constexpr std::uint8_t kNewWax = 2;            // of waxed_, while wax is applied: a source that it closes
+constexpr float kFace = 0.5f;                  // [-] density at the face of bone
 constexpr Vec3i kNeighbours[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 }  // namespace
@@ -180,21 +182,13 @@ void BloodSite::decay(double factor) noexcept {
 
 double BloodSite::wax(double depth) noexcept {
   const double closed = open_pores_;
-  const Mat3& linear = bone_.bone_from_index.linear;
-  Vec3i reach;
-  for (int axis = 0; axis < 3; ++axis) reach[axis] = static_cast<int>(depth / glm::length(linear[axis]));
   const VoxelBox& box = bone_.box;
   for_each_voxel(box, [&](const Vec3i& voxel) {
     const std::size_t at = box.offset_of(voxel);
-    if (area_[at] <= 0.0f || waxed_[at] != 0) return;
-    waxed_[at] = 2;
+    if (area_[at] > 0.0f && waxed_[at] == 0) waxed_[at] = kNewWax;
   });
   for_each_voxel(box, [&](const Vec3i& voxel) {
-    if (waxed_[box.offset_of(voxel)] != 2) return;
-    for_each_voxel(VoxelBox{voxel - reach, voxel + reach + 1}.intersect(box), [&](const Vec3i& near) {
-      const std::size_t at = box.offset_of(near);
-      if (waxed_[at] == 0 && bone_.pores[at] > 0.0f && glm::length(linear * Vec3(near - voxel)) <= depth) waxed_[at] = 1;
-    });
+    if (waxed_[box.offset_of(voxel)] == kNewWax) fill_pores(voxel, depth);
   });
   for (std::uint8_t& one : waxed_) one = one != 0 ? 1 : 0;
   for (Layer& layer : layers_) {
@@ -204,6 +198,24 @@ double BloodSite::wax(double depth) noexcept {
   waxed_pores_ += closed;
   open_pores_ = 0.0;
   return closed;
+}
+
+void BloodSite::fill_pores(const Vec3i& source, double depth) noexcept {
+  const VoxelBox& box = bone_.box;
+  const VoxelBox wide = box.grown(1);
+  const Mat3& linear = bone_.bone_from_index.linear;
+  Vec3i reach;
+  for (int axis = 0; axis < 3; ++axis) reach[axis] = static_cast<int>(depth / glm::length(linear[axis])) + 1;
+  const float here = seen_[wide.offset_of(source)];
+  for (const Vec3i& step : kNeighbours) {
+    const float there = seen_[wide.offset_of(source + step)];
+    if (!(here >= kFace && there < kFace)) continue;
+    const Vec3 face = Vec3(source) + Vec3(step) * static_cast<double>((here - kFace) / (here - there));
+    for_each_voxel(VoxelBox{source - reach, source + reach + 1}.intersect(box), [&](const Vec3i& near) {
+      const std::size_t at = box.offset_of(near);
+      if (waxed_[at] == 0 && bone_.pores[at] > 0.0f && glm::length(linear * (Vec3(near) - face)) <= depth) waxed_[at] = 1;
+    });
+  }
 }
 
 void BloodSite::unwax(double now, double coagulation) noexcept {

@@ -39,7 +39,8 @@ class BloodSite {
   void update(const VoxelBox& changed, std::span<const float> density, double now, double coagulation) noexcept;
   /// Sources coagulate. @param factor [-] exp(-dt / time constant).
   void decay(double factor) noexcept;
-  /// Closes all sources, and the pores of bone within `depth` [m] of one. @returns the area [m^2] of pores that it closed.
+  /// Closes all sources, and the pores of bone whose voxels lie within `depth` [m] of their face, where the density is one half. A cut is spread over
+  /// two voxels on both sides of its face; that much is closed at least. @returns the area [m^2] of pores that it closed.
   double wax(double depth) noexcept;
   /// Removes all wax: the places bleed again, as far as they have not coagulated. @param now [s]. @param coagulation [s].
   void unwax(double now, double coagulation) noexcept;
@@ -90,6 +91,8 @@ class BloodSite {
   void set_source(std::size_t at, double area, double now, double coagulation) noexcept;
   /// @returns the share of a source that has not coagulated. @param age [-] over the time constant.
   [[nodiscard]] double left_after(double age) noexcept;
+  /// Wax in the pores within `depth` [m] of the face of a source.
+  void fill_pores(const Vec3i& source, double depth) noexcept;
   [[nodiscard]] double cut_area(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept;
   [[nodiscard]] bool was_cut(const VoxelBox& of, std::span<const float> density, const Vec3i& voxel) const noexcept;
   void measure() noexcept;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -232,8 +233,12 @@ TEST_CASE("clutch: its failures: late release, worn spring, no release at low sp
   CHECK(late.took == doctest::Approx(usual.took + 300.0).epsilon(1e-9));
   CHECK(late.reached > usual.reached);
   CHECK(worn.releases == 0.0);
-  CHECK(worn.reached ==
-        doctest::Approx(rigid.reached).epsilon(0.02));  // it engages later by some contact steps, and the hand's tremor is none
+  // So nothing stops the drill: all of the hole of 6 mm is gone from 3 mm of plate, its rim by the table within a quarter of a voxel of 0.25 mm. How far a drill
+  // plunges then is no measure: starts 0.05 mm apart change it by millimetres.
+  const double hole = std::numbers::pi * 9.0 * 3.0;
+  for (const Outcome* out : {&rigid, &worn}) CHECK(out->removed == doctest::Approx(hole).epsilon(2.0 * 0.0625 / 3.0));
+  CHECK(usual.removed < 0.9 * hole);
+  CHECK(worn.reached > usual.reached);
   CHECK(half.engaged < usual.engaged);
   CHECK(half.released >= usual.released);
   // A spindle that the torque slows below the least speed.

@@ -23,9 +23,9 @@ TEST_CASE("camera: the projection and the rays agree on pixel and depth") {
       for (const double t : {0.02, 0.11, 0.3}) {
         const glm::dvec4 c = clip * glm::dvec4(rays.value().eye + t * rays.value().direction(x, y), 1.0);
         // Rounding of doubles only.
-        CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9));
-        CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9));
-        CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9));
+        CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9).scale(1.0));
+        CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9).scale(1.0));
+        CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9).scale(1.0));
         CHECK(range.view_depth_of(range.depth_of(t)) == doctest::Approx(t).epsilon(1e-9));
       }
 }

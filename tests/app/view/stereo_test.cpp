@@ -35,9 +35,9 @@ TEST_CASE("stereo: an off-axis projection and its rays agree") {
     for (const double y : {-0.3, 0.8})
       for (const double t : {0.02, 0.11, 0.3}) {
         const glm::dvec4 c = clip * glm::dvec4(rays->eye + t * rays->direction(x, y), 1.0);
-        CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9));
-        CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9));
-        CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9));
+        CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9).scale(1.0));
+        CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9).scale(1.0));
+        CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9).scale(1.0));
       }
 }
 

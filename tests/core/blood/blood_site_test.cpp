@@ -153,16 +153,20 @@ TEST_CASE("blood: dense bone, bone as loaded and cuts of before the run do not b
 
 TEST_CASE("blood: a cylindrical hole of area A fills to V / A, and overflows at its rim") {
   for (const double edge : {0.5e-3, 0.25e-3}) {
-    const double radius = 5e-3, bottom = 4e-3, area = kPi * radius * radius;
+    const double radius = 5.1e-3, bottom = 4e-3;
     const BloodSite site = drilled(block(edge, Vec3(7e-3), 6e-3, 0.4), cylinder(radius, bottom), 0.0);
-    // The area by voxel centres: the circle problem, here below 1.5 %.
-    CHECK(site.capacity() == doctest::Approx(area * bottom).epsilon(0.015));
-    CHECK(site.spill() == doctest::Approx(0.0).epsilon(1e-9));
+    // Whole voxels: those whose centres lie inside. Their area differs from the circle's by the circle problem, some percent here.
+    int inside = 0;
+    for (int i = -30; i <= 30; ++i)
+      for (int j = -30; j <= 30; ++j) inside += std::hypot(i * edge, j * edge) < radius ? 1 : 0;
+    const double area = inside * edge * edge;
+    CHECK(site.capacity() == doctest::Approx(area * bottom).epsilon(1e-9));
+    CHECK(std::abs(site.spill()) < 1e-9 * bottom);
     CHECK(site.floor() == doctest::Approx(-bottom));
     for (const double share : {0.1, 0.37, 0.5, 0.99})
       CHECK(site.level_of(share * site.capacity()) - site.floor() == doctest::Approx(share * bottom).epsilon(1e-9));
     CHECK(site.level_of(2.0 * site.capacity()) == site.spill());
-    CHECK(site.area_at(-0.5 * bottom) == doctest::Approx(area).epsilon(0.015));
+    CHECK(site.area_at(-0.5 * bottom) == doctest::Approx(area).epsilon(1e-9));
   }
 }
 
@@ -186,7 +190,6 @@ TEST_CASE("blood: under any gravity the level agrees with a plain twin that fill
     });
     std::ranges::sort(voxels);
     // A layer is at most one edge high, and the rim is known to a layer.
-    CHECK(site.spill() == doctest::Approx(spill - 0.5 * edge).epsilon(1.0).scale(1.1 * edge));
     CHECK(std::abs(site.spill() - (spill - 0.5 * edge)) < 1.1 * edge);
     for (const double share : {0.2, 0.6, 0.95}) {
       double sum = 0.0, level = 0.0;
@@ -225,24 +228,34 @@ TEST_CASE("blood: updates box by box in any order give the same hole as one, and
 }
 
 TEST_CASE("blood: wax closes all sources; a cut through it opens the new surface alone, unless the wax is deeper") {
-  const SiteBone bone = block(0.25e-3, Vec3(6e-3), 6e-3, 0.4);
-  for (const double depth_of_wax : {0.0, 0.5e-3, 1.5e-3}) {
-    CAPTURE(depth_of_wax);
-    BloodSite site = drilled(bone, cylinder(3e-3, 3e-3), 1.0);
+  constexpr double kEdge = 0.25e-3, kRadius = 3e-3, kPorosity = 0.4;
+  const SiteBone bone = block(kEdge, Vec3(6e-3), 6e-3, kPorosity);
+  // A hole of 3 mm is waxed and goes on to 4 mm. Its face, a ramp of one voxel to both sides, is a source up to two voxels from it: 0.5 mm of the
+  // new wall are waxed by any wax, and none of the new floor by wax of up to 0.5 mm. The floor's ramp has slopes of 1/8 in the first and in the fourth row
+  // of voxels, 3/8 in the others, so wax to a depth of 0.75 mm, past the first row, takes an eighth of it; of 1.5 mm all.
+  const double wall = kPorosity * 2.0 * kPi * kRadius * kEdge, ground = kPorosity * kPi * kRadius * kRadius;  // a row of it; the floor
+  struct Case {
+    double depth, left;  // [m], [m^2]
+  };
+  for (const Case& one : {Case{0.0, 2.0 * wall + ground}, {0.5e-3, 2.0 * wall + ground}, {0.75e-3, wall + 0.875 * ground}, {1.5e-3, 0.0}}) {
+    CAPTURE(one.depth);
+    BloodSite site = drilled(bone, cylinder(kRadius, 3e-3), 1.0);
     const double open = site.open_pores();
-    CHECK(site.wax(depth_of_wax) == open);
+    CHECK(site.wax(one.depth) == open);
     CHECK(site.open_pores() == 0.0);
     CHECK(site.waxed_pores() == open);
     CHECK(site.drive(1e3, site.floor(), 0.0) == 0.0);
-    site.update(bone.box, cut_by(bone, bone.box.grown(1), cylinder(3e-3, 4e-3), 1.0), 1.0, kFar);
-    // The wall's upper 3 mm stays waxed. Of 1 mm of new wall and the floor: all, about half of the wall and the floor, none.
-    const double wall = 0.4 * 2.0 * kPi * 3e-3 * 1e-3, ground = 0.4 * kPi * 9e-6;
-    if (depth_of_wax == 0.0) CHECK(site.open_pores() == doctest::Approx(wall + ground).epsilon(0.25));
-    if (depth_of_wax == 0.5e-3) CHECK(site.open_pores() == doctest::Approx(0.5 * wall + ground).epsilon(0.25));
-    if (depth_of_wax == 1.5e-3) CHECK(site.open_pores() < 0.15 * (wall + ground));
+    site.update(bone.box, cut_by(bone, bone.box.grown(1), cylinder(kRadius, 4e-3), 1.0), 1.0, kFar);
+    // Wax ends within half a voxel, of the wall. Where wall and floor meet, the gradient is theirs together over two voxels: of each a voxel times 1 - 1/sqrt(2) is lost.
+    const double off = (0.5 + 2.0 * (1.0 - std::numbers::sqrt2 / 2.0)) * wall;
+    MESSAGE("wax " << one.depth * 1e3 << " mm deep: open " << site.open_pores() * 1e6 << " mm2, expected " << one.left * 1e6 << " within "
+                   << off * 1e6);
+    CHECK(std::abs(site.open_pores() - one.left) < off);
+    // Sabotage: wax that is measured from the last source, 1.5 voxels deeper.
+    if (one.depth == 0.5e-3) CHECK(std::abs(site.open_pores() - (0.5 * wall + 0.5 * ground)) > 2.0 * off);
     site.unwax(1.0, kFar);
-    CHECK(site.waxed_pores() < 1e-12);
-    CHECK(site.open_pores() == doctest::Approx(drilled(bone, cylinder(3e-3, 4e-3), 1.0).open_pores()).epsilon(1e-9));
+    CHECK(std::abs(site.waxed_pores()) < 1e-12 * open);
+    CHECK(site.open_pores() == doctest::Approx(drilled(bone, cylinder(kRadius, 4e-3), 1.0).open_pores()).epsilon(1e-9));
   }
 }
 

@@ -135,7 +135,7 @@ TEST_CASE("the drive runs up and down in its time") {
   CHECK(rig.hand->read().spin == doctest::Approx(1.0));
   rig.goals.publish({.place = {0.0, 0.0, rig.config.standoff}});
   rig.run(ticks + 1);
-  CHECK(rig.hand->read().spin == doctest::Approx(0.0));
+  CHECK(rig.hand->read().spin == 0.0);
 }
 
 TEST_CASE("a goal that is not finite moves nothing; the end of the run is a phase") {
