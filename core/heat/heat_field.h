@@ -121,8 +121,8 @@ class HeatField {
   /// The bone behind a cell that was cut away.
   struct Behind {
     std::array<Vec3i, 3> cells;  // next to it along each axis
-    Vec3 part{
-        0.0};  // [-] of its heat for each: by the square of the normal's component, and by the bone that each holds. All 0: none holds bone
+    // [-] of its heat for each: by the square of the normal's component, and by the bone that each holds. All 0: none holds bone.
+    Vec3 part{0.0};
   };
   void add(std::size_t at, const Vec3i& cell, double joule);
   /// Puts a part of the heat that waits into bone, and takes from each cell what its bone carried away above its mean temperature.
